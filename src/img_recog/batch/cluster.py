@@ -34,6 +34,10 @@ _QUIET = {'distributed.worker.profile.interval': '1h', 'distributed.worker.profi
           'distributed.admin.system-monitor.interval': '10s',
           'distributed.scheduler.transition-log-length': _RECORDS,
           'distributed.scheduler.events-log-length': _RECORDS}
+# A piece that crashes its worker is tried on others. No second one waits there and is blamed, and
+# a process that takes 15 s to start again is not given up, until there is none.
+_CRASHES = {'distributed.scheduler.worker-saturation': 1.0,
+            'distributed.deploy.lost-worker-timeout': '1h'}
 _PROBLEMS = (OSError, RuntimeError, TypeError, ValueError, KeyError, AttributeError, ImportError)
 _log = logging.getLogger(__name__)
 
@@ -85,7 +89,7 @@ def connected(options: Options, interrupts: Interrupts) -> ContextManager[Client
 def _local(jobs: int, interrupts: Interrupts) -> Iterator[Client]:
     with contextlib.ExitStack() as stack:
         with _starting_workers(interrupts):
-            dask.config.set(_QUIET)
+            dask.config.set({**_QUIET, **_CRASHES})
             folder = stack.enter_context(tempfile.TemporaryDirectory())
             security = _security(folder)
             common = {'host': '127.0.0.1', 'protocol': 'tls://', 'security': security}
