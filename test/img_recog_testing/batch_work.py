@@ -18,6 +18,11 @@ def count_bytes(paths, factor) -> List[int]:
     return [factor * os.path.getsize(path) for path in paths]
 
 
+def refused(paths) -> int:
+    """Raise an error that names the file."""
+    raise UserError('cannot read {}'.format(*paths))
+
+
 def square(_, number, log='') -> int:
     """Return the square of a number; the name of a file to write says that it was computed."""
     if log:

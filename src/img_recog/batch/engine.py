@@ -27,18 +27,27 @@ class Outcome(NamedTuple):
     problem: str = ''
 
 
+# Files of the same content have results of one name; a problem names the file that it is of.
+_Source = Tuple[str, Tuple[str, ...]]
+
+
+def _source(piece: Piece, name: str) -> _Source:
+    return name, tuple(piece.files)
+
+
 class Outcomes:
     """The outcomes of pieces, in their order; each is read from its file when it is needed."""
 
     def __init__(self, work: WorkFolder, named: Sequence[Tuple[Piece, str]],
-                 problems: Mapping[str, str]):
-        """Take pieces with the names of their results, and the problems by the names."""
+                 problems: Mapping['_Source', str]):
+        """Take pieces with the names of their results, and the problems by `_source`."""
         self._work, self._named, self._problems = work, named, problems
 
     def __iter__(self) -> Iterator[Outcome]:
         for piece, name in self._named:
-            yield (Outcome(piece.key, problem=self._problems[name]) if name in self._problems
-                   else Outcome(piece.key, self._work.read(name)))
+            problem = self._problems.get(_source(piece, name))
+            yield (Outcome(piece.key, self._work.read(name)) if problem is None
+                   else Outcome(piece.key, problem=problem))
 
 
 class Engine:
@@ -73,16 +82,17 @@ class Engine:
         named = [(piece, work.name_of(piece)) for piece in pieces]
         # a piece is known by itself: several may have the same key
         name_of = {id(piece): name for piece, name in named}
-        problems: Dict[str, str] = {}
+        problems: Dict[_Source, str] = {}
 
         def note(done: Done, name: str) -> None:
             if done.problem:
-                problems[name] = done.problem
+                problems[_source(done.piece, name)] = done.problem
             else:
                 work.write(name, done.content)
         for done in known:
             note(done, work.name_of(done.piece))
-        waiting = [piece for piece, name in named if name not in problems and not work.has(name)]
+        waiting = [piece for piece, name in named
+                   if _source(piece, name) not in problems and not work.has(name)]
         with self._interrupts.deferred():   # the destructor of tqdm fails after half a constructor
             total = sum(piece.size for piece in pieces)
             progress = tqdm(total=total, initial=total - sum(piece.size for piece in waiting),

@@ -163,6 +163,15 @@ def test_pieces_of_one_key_are_known_by_their_values(run):
     assert [each.value for each in run(batch_work.square, pieces)] == [4, 9, 4]
 
 
+@pytest.mark.parametrize('jobs', [1, 2])
+def test_a_problem_names_its_own_file_among_those_of_equal_content(run, tmp_path, jobs):
+    paths = [str(tmp_path / name) for name in ('a.bag', 'b.bag')]
+    for path in paths:
+        open(path, 'w').close()
+    found = run(batch_work.refused, [Piece(path, (), (path,)) for path in paths], jobs=jobs)
+    assert [each.problem for each in found] == ['cannot read ' + path for path in paths]
+
+
 def kept(tmp_path):
     """Return the paths of results."""
     return sorted(tmp_path.glob('work/*/*.piece'))
