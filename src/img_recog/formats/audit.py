@@ -1,9 +1,11 @@
 """What a file asks for that is not done here, and what of it is not known."""
+import functools
 import math
 import xml.etree.ElementTree as ElementTree
 from typing import Dict, Iterable, Iterator, List, Mapping, NamedTuple, Optional, Sequence, Tuple
 
-from img_recog.formats.elements import BOOLEANS, NOT_SIMULATED, SDF, URDF, Row
+from img_recog.formats.elements import (BOOLEANS, NO_EFFECT, NOT_SIMULATED, SDF, SIMULATED, URDF,
+                                        Row)
 
 NOT_KNOWN, NOT_USED, NOT_UNIQUE = 'not known', 'not used', 'not unique'
 _FORMATS: Mapping[str, Mapping[str, Row]] = {'sdf': SDF, 'robot': URDF}
@@ -42,7 +44,7 @@ def audit(root: ElementTree.Element) -> List[Finding]:
     Equal findings are one, with all of their places, in the order of the file.
     """
     return list(merged(Finding(state, what, (place,)) for state, what, place in _found(
-        root, (root.tag,), _below('', root) or _FILE, _FORMATS[root.tag])))
+        root, (root.tag,), _below('', root) or _FILE)))
 
 
 def merged(findings: Iterable[Finding]) -> Tuple[Finding, ...]:
@@ -63,60 +65,56 @@ def warnings(name: str, findings: Sequence[Finding]) -> List[str]:
 _Found = Tuple[str, str, str]
 
 
-def _found(element: ElementTree.Element, path: Tuple[str, ...], place: str,
-           table: Mapping[str, Row]) -> Iterator[_Found]:
-    row = _row(path, table)
-    if row is None:
-        row = Row()
-    elif row.anything:
+def _found(element: ElementTree.Element, path: Tuple[str, ...], place: str) -> Iterator[_Found]:
+    row = _row(path)
+    if row.anything:
         return
+    fates = _fates(row)
     yield from _names(element, place)
     for child in element:
-        if not isinstance(child.tag, str):      # a comment
+        # neither a comment nor of another format, like sdformat's <gz:...> and <drake:...>
+        if not isinstance(child.tag, str) or ':' in child.tag or child.tag.startswith('{'):
             continue
         tag, inner = child.tag, (*path, child.tag)
-        state = _state(element, child, row)
-        if _is_foreign(tag):
-            continue
-        if state == NOT_KNOWN or state == NOT_SIMULATED:
+        state, default = fates.get(tag, (NOT_KNOWN, None))
+        if state == NOT_KNOWN or state == NOT_SIMULATED and (
+                default is None or not _changes_nothing(element, child, default)):
             yield state, _label(child) if tag in _TOLD else '<{}>'.format(tag), place
-        elif state:
+        elif state == SIMULATED:
             if tag in BOOLEANS or '/'.join(inner[-2:]) in BOOLEANS:
                 yield from _boolean(child, place)
             if tag == 'pose':
                 yield from _pose(child, place)
-            yield from _found(child, inner, _below(place, child), table)
+            yield from _found(child, inner, _below(place, child))
 
 
-def _row(path: Sequence[str], table: Mapping[str, Row]) -> Optional[Row]:
-    """Return the row of the longest end of a path; None without one."""
-    for start in range(len(path)):
-        row = table.get('/'.join(path[start:]))
-        if row is not None:
-            return row
-    return None
+@functools.lru_cache(maxsize=None)
+def _row(path: Tuple[str, ...]) -> Row:
+    """Return the row of the longest end of a path, an empty one without; path: from the root."""
+    ends = ('/'.join(path[start:]) for start in range(len(path)))
+    return next((_FORMATS[path[0]][end] for end in ends if end in _FORMATS[path[0]]), Row())
 
 
-def _state(parent: ElementTree.Element, child: ElementTree.Element, row: Row) -> str:
-    """Return what becomes of a child, '' for nothing to be looked at."""
-    if child.tag in row.simulated.split() or child.tag in row.drawn.split():
-        return 'used'
-    for word in row.no_effect.split():
-        if word.partition('=')[0] == child.tag:
-            return ''
-    for word in row.not_simulated.split():
-        name, has_default, default = word.partition('=')
-        if name == child.tag:
-            if default.startswith('<'):
-                default = next(map(_value, parent.findall(default.strip('<>'))), '')
-            return '' if has_default and _changes_nothing(child, default) else NOT_SIMULATED
-    return NOT_KNOWN
+@functools.lru_cache(maxsize=None)
+def _fates(row: Row) -> Dict[str, Tuple[str, Optional[str]]]:
+    """Return what becomes of each child, what is drawn as simulated, and the value that changes
+    nothing, if there is one.
+    """
+    found: Dict[str, Tuple[str, Optional[str]]] = {}
+    for state, words in ((SIMULATED, row.simulated), (SIMULATED, row.drawn),
+                         (NO_EFFECT, row.no_effect), (NOT_SIMULATED, row.not_simulated)):
+        for word in words.split():
+            name, has_default, default = word.partition('=')
+            found[name] = state, default if has_default else None
+    return found
 
 
-def _changes_nothing(element: ElementTree.Element, default: str) -> bool:
+def _changes_nothing(parent: ElementTree.Element, element: ElementTree.Element,
+                     default: str) -> bool:
     """Return whether all values in an element are `default`, or it has none."""
-    texts = filter(None, map(_value, element.iter()))
-    return all(_same(text, default) for text in texts)
+    if default.startswith('<'):
+        default = next(map(_value, parent.findall(default.strip('<>'))), '')
+    return all(_same(text, default) for text in filter(None, map(_value, element.iter())))
 
 
 def _value(element: ElementTree.Element) -> str:
@@ -152,25 +150,18 @@ def _names(element: ElementTree.Element, place: str) -> Iterator[_Found]:
     """Yield what has no name, and names that several have."""
     seen = set()
     for child in element:
-        if child.tag in _NAMED and not child.get('name') and not (
-                element.tag == 'include' or element.tag == 'state'):
-            yield NOT_KNOWN, '<{}> without a name'.format(child.tag), place
-        key = child.tag, child.get('name')
+        name = child.get('name')
+        if not name:
+            if child.tag in _NAMED and element.tag not in ('include', 'state'):
+                yield NOT_KNOWN, '<{}> without a name'.format(child.tag), place
         # of models in a world, the reader of worlds says so: included ones are among them
-        if child.tag in _UNIQUE and child.get('name') and (*key, element.tag)[::2] != (
-                'model', 'world'):
-            if key in seen:
+        elif child.tag in _UNIQUE and not (child.tag == 'model' and element.tag == 'world'):
+            if (child.tag, name) in seen:
                 yield NOT_UNIQUE, 'the name {}'.format(_label(child)), place
-            seen.add(key)
-    worlds = element.findall('world')
-    if element.tag == 'sdf' and len(worlds) > 1:
-        for world in worlds[1:]:
+            seen.add((child.tag, name))
+    if element.tag == 'sdf':
+        for world in element.findall('world')[1:]:
             yield NOT_USED, 'second ' + _label(world), place
-
-
-def _is_foreign(tag: str) -> bool:
-    """Return whether an element is of another format, like sdformat's <gz:...> and <drake:...>."""
-    return ':' in tag or tag.startswith('{')
 
 
 def _label(element: ElementTree.Element) -> str:

@@ -9,8 +9,7 @@ doc/elements.md is made of this table.
 """
 from typing import Dict, NamedTuple
 
-SIMULATED, DRAWN = 'simulated', 'drawn'
-NO_EFFECT, NOT_SIMULATED = 'of no effect here', 'not simulated'
+SIMULATED, NO_EFFECT, NOT_SIMULATED = 'simulated', 'of no effect here', 'not simulated'
 
 
 class Row(NamedTuple):
@@ -30,7 +29,6 @@ class Row(NamedTuple):
 
 _CONTACTS = 'contacts are those of PyBullet, which give way less'
 _INERTIA = Row('ixx ixy ixz iyy iyz izz')
-_FAN = Row('samples min_angle max_angle', no_effect='resolution=1', why='rays are exact')
 _NOISE = Row('type mean stddev bias_mean bias_stddev rate accel', no_effect='precision',
              not_simulated='dynamic_bias_stddev=0 dynamic_bias_correlation_time=0')
 _CAMERA = Row('horizontal_fov image clip noise distortion lens pose depth_camera',
@@ -45,7 +43,8 @@ SENSORS: Dict[str, Row] = {
     'ray': Row('scan range noise', no_effect='visualize'),
     'lidar': Row('scan range noise', no_effect='visualize visibility_mask'),
     'ray/scan': Row('horizontal vertical'), 'lidar/scan': Row('horizontal vertical'),
-    'horizontal': _FAN, 'vertical': _FAN,
+    'horizontal': Row('samples resolution min_angle max_angle'),
+    'vertical': Row('samples min_angle max_angle', not_simulated='resolution=1'),
     'ray/range': Row('min max', no_effect='resolution', why='ranges are exact'),
     'lidar/range': Row('min max', no_effect='resolution', why='ranges are exact'),
     'noise': _NOISE,

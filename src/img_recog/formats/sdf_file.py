@@ -74,6 +74,7 @@ class _Reader:
         self._find, self._problems = find, problems
         self.trees: List[Tree] = []
         self._names: Set[str] = set()
+        self._audited: Set[str] = set()         # included files: thousands may be the same one
         self.has_ground_plane = False
         self._included_count = self._depth = 0
 
@@ -131,7 +132,9 @@ class _Reader:
             raise SimulationError(uri or 'an <include> without a <uri>')
         self._check_include(file, stack)
         root = _parsed(file)
-        self._problems.audit(root)
+        if file not in self._audited:
+            self._audited.add(file)
+            self._problems.audit(root)
         model = root.find('model')
         if model is None:
             if root.find('light') is None:
