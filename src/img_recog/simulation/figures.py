@@ -7,20 +7,19 @@ import pybullet
 from img_recog import rotations
 from img_recog.errors import SimulationError
 from img_recog.model import Frame
-from img_recog.rotations import Transform
-from img_recog.simulation.physics.body import Body, FrameState, velocity_at
+from img_recog.rotations import Quaternion
+from img_recog.simulation.models import LINK_SEPARATOR
+from img_recog.simulation.physics.body import Body, FrameState, Vector, velocity_at
 from img_recog.simulation.physics.client import link_indices
 from img_recog.simulation.simulator import Simulator
 
-SEPARATOR = '::'
-
 
 class _Link(NamedTuple):
-    """A link: the body and the number of the part that carries it, and its pose in that part."""
+    """A link: the body, and the number of the part that carries it with its pose by `in_part`."""
 
     body: Body
     part: int
-    pose: Transform
+    pose: Tuple[Vector, Quaternion]
 
 
 class Figures:
@@ -35,36 +34,28 @@ class Figures:
         self._joints: Dict[str, Tuple[Body, int]] = {}
         world = simulator.world
         for tree, body in zip(world.file.trees, world.bodies):
-            self._add(tree.name.partition(SEPARATOR)[0], body, tree.model.frames)
+            self._add(tree.name.partition(LINK_SEPARATOR)[0], body, tree.model.frames)
         for vehicle in simulator.vehicles:
             # like Gazebo, without the links that are lumped into others
             self._add(vehicle.robot.name, vehicle.robot, {
                 link: frame for link, frame in vehicle.model.frames.items()
                 if link == frame.link})
 
-    def _add(self, model: str, body: Body,
-             frames: Mapping[str, Frame]) -> None:
+    def _add(self, model: str, body: Body, frames: Mapping[str, Frame]) -> None:
         indices = link_indices(body.body_id, body.physics_client_id)
         for link, (part, pose) in frames.items():
-            self._links[model + SEPARATOR + link] = _Link(body, indices[part], pose)
+            number = indices[part]
+            self._links[model + LINK_SEPARATOR + link] = _Link(body, number,
+                                                               body.in_part(number, pose))
         for joint, index in body.joints.items():
-            self._joints[model + SEPARATOR + joint] = body, index
+            self._joints[model + LINK_SEPARATOR + joint] = body, index
 
     def links(self) -> Dict[str, List[float]]:
         """Return x, y, z (m), a quaternion x, y, z, w, the velocity of the frame (m/s) and its
         angular velocity (rad/s) of each link, 13 numbers in the world.
         """
-        return {name: list(_numbers(self._state(link))) for name, link in self._links.items()}
-
-    def _state(self, link: _Link) -> FrameState:
-        pose = link.pose.translation.tolist(), rotations.quaternion_of(link.pose.rotation)
-        if link.part == -1:
-            in_mass = pybullet.multiplyTransforms(
-                *pybullet.invertTransform(*link.body.mass_in_root), *pose)
-            return link.body.base_state(in_mass)
-        state = pybullet.getLinkState(link.body.body_id, link.part, computeLinkVelocity=1,
-                                      computeForwardKinematics=1, **self._client)
-        return FrameState(pybullet.multiplyTransforms(*state[4:6], *pose), state[0], *state[6:8])
+        return {name: list(_numbers(link.body.part_state(link.part, link.pose)))
+                for name, link in self._links.items()}
 
     def joints(self) -> Dict[str, List[float]]:
         """Return position and velocity of each movable joint: rad and rad/s, or m and m/s."""

@@ -8,7 +8,7 @@ import numpy as np
 import pybullet
 
 from img_recog import rotations
-from img_recog.rotations import Quaternion
+from img_recog.rotations import Quaternion, Transform
 
 Vector = Sequence[float]
 
@@ -165,6 +165,25 @@ class Body:
                                                    physicsClientId=self.physics_client_id)
         return FrameState(pybullet.multiplyTransforms(center, turned, *in_mass), center, linear,
                           angular)
+
+    def in_part(self, part: int, pose: Transform) -> Tuple[Vector, Quaternion]:
+        """Return a constant pose in the frame of a part as `part_state` takes it.
+
+        part: PyBullet's index of a link, -1 for the base, whose frame there is its center of mass.
+        """
+        in_link = pose.translation.tolist(), rotations.quaternion_of(pose.rotation)
+        return in_link if part != -1 else pybullet.multiplyTransforms(
+            *self._root_in_mass, *in_link)
+
+    def part_state(self, part: int, in_part: Tuple[Vector, Quaternion]) -> FrameState:
+        """Return the state of a frame fixed to a part; arguments: see `in_part`."""
+        if part == -1:
+            return self.base_state(in_part)
+        state = pybullet.getLinkState(self.body_id, part, computeLinkVelocity=1,
+                                      computeForwardKinematics=1,
+                                      physicsClientId=self.physics_client_id)
+        return FrameState(pybullet.multiplyTransforms(*state[4:6], *in_part), state[0],
+                          *state[6:8])
 
     def set_velocity(self, linear: Vector, angular: Vector) -> None:
         """Set the velocity of the root link: m/s and rad/s, in the world."""

@@ -122,13 +122,7 @@ class SimulatedRobot(Body):
 
     def frame_state(self, frame: str) -> FrameState:
         """Return the state of a link of the description; errors as for `motion`."""
-        link, pose = self._carrier(frame)
-        if link == -1:
-            return self.base_state(pose)
-        state = pybullet.getLinkState(self.body_id, link, computeLinkVelocity=1,
-                                      computeForwardKinematics=1,
-                                      physicsClientId=self.physics_client_id)
-        return FrameState(pybullet.multiplyTransforms(*state[4:6], *pose), state[0], *state[6:8])
+        return self.part_state(*self._carrier(frame))
 
     def add_mount(self, frame: str, link: str, pose: Transform) -> None:
         """Add a frame with a constant pose in a link of the model.
@@ -157,10 +151,7 @@ class SimulatedRobot(Body):
             raise SimulationError('{}: {}'.format(setting, error.problem), error.advice)
 
     def _carrier(self, frame: str) -> Tuple[int, Tuple[Vector, Quaternion]]:
-        """Return the PyBullet link that a frame is fixed to, and the frame's pose in it.
-
-        The pose is in the link's frame, or, for the base, in the frame of its center of mass.
-        """
+        """Return the PyBullet link that a frame is fixed to, and the frame's pose by `in_part`."""
         if frame not in self._carriers:
             found = self._frames.get(frame) or self._mounts.get(frame)
             if found is None:
@@ -168,10 +159,7 @@ class SimulatedRobot(Body):
                     frame, ', '.join(sorted(self._frames))))
             name, pose = found
             link = self._link_indices[name]
-            in_link = pose.translation.tolist(), rotations.quaternion_of(pose.rotation)
-            self._carriers[frame] = link, in_link if link != -1 else (
-                pybullet.multiplyTransforms(*pybullet.invertTransform(*self.mass_in_root),
-                                            *in_link))
+            self._carriers[frame] = link, self.in_part(link, pose)
         return self._carriers[frame]
 
     def joint_states(self) -> JointStates:
