@@ -30,8 +30,6 @@ def check(words):
     words: as returned by Arguments.checked.
     """
     given = dict(word.split(':=', 1) for word in words if ':=' in word)
-    if given.get('real_time_factor') == 'auto':     # the one word for a number
-        del given['real_time_factor']
     if not _PARAMETERS.isdisjoint(given):
         _check_parameters(given)
     if 'colors' in given:

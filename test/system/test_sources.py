@@ -35,7 +35,7 @@ def test_every_launch_argument_is_documented():
             'cmd_vel_timeout', 'safe', 'respawn', 'robot_camera_frame', 'web', 'web_host',
             'web_port', 'record', 'record_size', 'rviz', 'rqt_graph', 'rqt_reconfigure',
             'lockstep', 'lockstep_sensors', 'lockstep_timeout', 'lockstep_at_timeout', 'paused',
-            'vision', 'wait_for_subscribers', 'robot_state_publisher'} == names == set(documented)
+            'vision', 'robot_state_publisher'} == names == set(documented)
     assert all(len(words) > 10 for words in documented.values()), documented
 
 

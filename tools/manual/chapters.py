@@ -41,8 +41,7 @@ CHAPTERS: Dict[str, Chapter] = {
         ('ros-noetic-image-proc', 'ros-noetic-compressed-image-transport'),
         ('{here}/autorace.launch',),
         ('world:=turtlebot3_autorace_2020', 'x_pos:=0.8', 'y_pos:=-1.747',
-         'urdf:={turtlebot3_description}/urdf/turtlebot3_burger_for_autorace_2020.urdf.xacro',
-         'wait_for_subscribers:=true')),
+         'urdf:={turtlebot3_description}/urdf/turtlebot3_burger_for_autorace_2020.urdf.xacro')),
 }
 # what Debian has of these packages
 DEBIAN = {'image_proc': 'ros-image-proc libimage-proc-dev', 'tf': 'libtf-dev python3-tf'}

@@ -20,8 +20,7 @@ class LockstepSettings(Settings):
 
     lockstep: topics, with spaces or commas between them, or none; after a message of the sensors
     in lockstep_sensors, time stands until an answer has come on each. lockstep_timeout: wall s
-    without one, after which the node does what lockstep_at_timeout says. wait_for_subscribers:
-    whether time also stands while nodes on this computer are at work on what they subscribe to.
+    without one, after which the node does what lockstep_at_timeout says.
     """
 
     lockstep: str = setting('none', Allowed('names of topics, or none', lambda text: bool(
@@ -31,7 +30,6 @@ class LockstepSettings(Settings):
         lambda text: bool(_words(text)) and set(_words(text)) <= set(KINDS)))
     lockstep_timeout: float = setting(5.0, above(0))
     lockstep_at_timeout: str = setting('continue', one_of('continue', END))
-    wait_for_subscribers: bool = setting(False)
 
     @property
     def topics(self) -> Tuple[str, ...]:

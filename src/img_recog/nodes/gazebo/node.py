@@ -52,7 +52,6 @@ from img_recog.nodes.gazebo.robot_plans import (ROBOTS, RobotPlan, RobotPlans, R
 from img_recog.nodes.gazebo.robots import WORLD_FRAME, Robots, RobotUpdates
 from img_recog.nodes.gazebo.static_transforms import StaticTransforms
 from img_recog.nodes.gazebo.stepping import Stepping, SteppingSettings
-from img_recog.nodes.gazebo.subscribers_at_work import SubscribersAtWork
 from img_recog.nodes.gazebo.waiting import Waiting
 from img_recog.ros import lifecycle, parameters
 from img_recog.ros.diagnostics import NodeDiagnostics
@@ -63,7 +62,7 @@ from img_recog.simulation.pacing import Pace, timeout_scale
 from img_recog.simulation.settings import PhysicsSettings, ViewSettings, whole_steps
 from img_recog.simulation.simulator import Simulator
 
-_POLL_PERIOD_S, _SHORT_POLL_PERIOD_S = 0.1, 0.002
+_POLL_PERIOD_S = 0.1
 # Of simulated time, between two looks at commands and services; it takes about 1 ms. After the
 # physics, no code for messages is in the processor's cache: it gets there once in a round.
 _FREE_RUN_ROUND_S = 0.02
@@ -103,10 +102,7 @@ class Gazebo:
                               wake=self._calls.wake)
         self._robots = Robots(self._simulator, models, self._images, statics, self._calls,
                               which.world_tf, self._lockstep)
-        at_work = SubscribersAtWork() if lockstep.wait_for_subscribers else None
-        self._standing_poll_s = _SHORT_POLL_PERIOD_S if at_work else _POLL_PERIOD_S
-        self._waiting = Waiting(self._simulator, self._images, self._robots, self._lockstep,
-                                at_work)
+        self._waiting = Waiting(self._simulator, self._images, self._robots, self._lockstep)
         frame, origin = WORLD_FRAME, PlanePose(0.0, 0.0, 0.0)
         if single is None:
             RobotUpdates(self._robots, plans, self._calls)
@@ -149,7 +145,7 @@ class Gazebo:
                 end = self._stepping.end
                 is_paused = self._pace.is_paused and end is None
                 if is_paused or self._waiting.must_stand():
-                    self._calls.process(_POLL_PERIOD_S if is_paused else self._standing_poll_s)
+                    self._calls.process(_POLL_PERIOD_S)
                     if self._pace.is_paused:
                         self._pace.restart()
                     if is_paused:

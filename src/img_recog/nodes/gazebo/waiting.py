@@ -1,4 +1,4 @@
-"""For whom simulated time stands: for images at the start, and on request for other nodes."""
+"""For whom simulated time stands: for images at the start, and in lockstep for other nodes."""
 import time
 from typing import Optional, Sequence
 
@@ -8,7 +8,6 @@ from img_recog.nodes.gazebo.images import Images
 from img_recog.nodes.gazebo.lockstep import Lockstep
 from img_recog.nodes.gazebo.robots import Robots
 from img_recog.nodes.gazebo.standing_report import StandingReport
-from img_recog.nodes.gazebo.subscribers_at_work import SubscribersAtWork
 from img_recog.simulation.simulator import Simulator
 from img_recog.simulation.vehicle import CAMERA, Reading
 
@@ -23,9 +22,9 @@ class Waiting:
     """
 
     def __init__(self, simulator: Simulator, images: Images, robots: Robots,
-                 lockstep: Optional[Lockstep], at_work: Optional[SubscribersAtWork]):
+                 lockstep: Optional[Lockstep]):
         self._simulator, self._images, self._robots = simulator, images, robots
-        self._lockstep, self._at_work = lockstep, at_work
+        self._lockstep = lockstep
         self._has_begun, self._is_reset = False, False
         self._report = StandingReport()
         self._is_due = lockstep is None
@@ -35,10 +34,6 @@ class Waiting:
 
         Raises UserError when no answer came, and the node is to end then.
         """
-        return self._lacks_something() or (
-            self._at_work is not None and self._at_work.must_be_awaited(self._simulator.time_s))
-
-    def _lacks_something(self) -> bool:
         if (self._lockstep is not None or not self._has_begun) and self._images.is_loading():
             self._report(self._simulator.time_s, 'the process that draws to load the world')
             return True

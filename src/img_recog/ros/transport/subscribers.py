@@ -1,11 +1,10 @@
-"""Find the subscribers of this node that do not read, or not yet."""
+"""Find the subscribers of this node that do not read."""
 import select
 import time
 from typing import Any, List, Optional, Set, Tuple
 
 from rospy.impl import registration
 
-from img_recog.ros.transport.sockets import unread_by_peer
 from img_recog.ros.transport.switch import is_plain
 
 _WAIT_S = 0.1
@@ -33,16 +32,6 @@ class SubscriberCheck:
                 for topic, connection in _blocked(_connections())}
         found, self._full_before = full & self._full_before, full
         return tuple('{} ({})'.format(*each) for each in sorted(found))
-
-
-def unread() -> Set[str]:
-    """Return the nodes on this computer that have not read all that was sent to them.
-
-    None with plain rospy, which does not tell.
-    """
-    return set() if is_plain('subscribers') else {
-        connection.endpoint_id for _, connection in _connections()
-        if connection.socket is not None and unread_by_peer(connection.socket)}
 
 
 def _connections() -> List[Connection]:
