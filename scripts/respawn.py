@@ -3,8 +3,10 @@
 
 usage: respawn.py [--required] NODE [ARGUMENT ...]
 
-The launch-prefix of the nodes in demo.launch, which also have respawn="true": roslaunch starts
+The launch-prefix of the nodes in the launch files, which also have respawn="true": roslaunch starts
 this program again if it is killed itself. The node is a child process that ends with this one.
+roslaunch's respawn alone would start a node that refuses its input again and again, and roslaunch
+does not take it beside required="true", by which the demo ends then.
 
 The node is started again after a signal (kill -9, a crash), after an unexpected exception (exit
 code 70), when no master answers (75), and after a shutdown from outside (77, as by rosnode kill).

@@ -4,14 +4,13 @@
 roslaunch ignores arguments that the launch file does not have, passes any value to the nodes, and
 prints its usage when a colon is missing. Here each mistake gives one line.
 """
-import itertools
 import os
 import re
 import shutil
 import sys
 import textwrap
-import xml.etree.ElementTree as ElementTree
 
+import launch_files
 from img_recog.errors import most_similar
 from img_recog.messages import message
 
@@ -34,30 +33,27 @@ class ArgumentError(Exception):
 
 
 class Arguments:
-    """The arguments of a launch file and their allowed values."""
+    """The arguments of demo.launch and of its parts, and their allowed values."""
 
     def __init__(self, launch_file):
-        parser = ElementTree.XMLParser(target=ElementTree.TreeBuilder(insert_comments=True))
-        root = ElementTree.parse(launch_file, parser).getroot()
-        # its arguments are below comments that name their groups, and above all else
-        self._listed = list(itertools.takewhile(lambda each: each.tag != 'param', root))
-        self._defaults = {arg.get('name'): arg.get('default', '') for arg in root.iter('arg')
-                          if arg.get('value') is None}      # else a constant
-        self._switches = {name for name in self._defaults if _is_switch(root, name)}
+        roots = launch_files.with_parts(launch_file)
+        self._arguments = launch_files.taken(roots)
+        self._switches = {name for name in self._arguments
+                          if any(_is_switch(root, name) for root in roots.values())}
         self._checks = {'camera': _camera, 'camera_info_url': _calibration, 'colors': _file,
                         'record': _record, 'robots': _robots, 'urdf': _urdf, 'world': _world}
 
     def help(self):
         """Return all arguments in their groups, with their defaults and meanings."""
         width = min(99, shutil.get_terminal_size().columns)
-        lines = ['usage: ./run demo [ARGUMENT:=VALUE ...] [OPTION of roslaunch ...]']
-        for each in self._listed:
-            if each.tag is ElementTree.Comment:
-                lines += ['', each.text.strip()]
-                continue
-            default = ':=' + each.get('default').replace('$(find img_recog)/', '')
-            lines += ['  ' + each.get('name') + default * ('$(' not in default),    # else in doc
-                      textwrap.fill(each.get('doc'), width, initial_indent=' ' * 6,
+        lines, group = ['usage: ./run demo [ARGUMENT:=VALUE ...] [OPTION of roslaunch ...]'], ''
+        for each in self._arguments.values():
+            if each.group != group:
+                group = each.group
+                lines += ['', group]
+            default = ':=' + each.default.replace('$(find img_recog)/', '')
+            lines += ['  ' + each.name + default * ('$(' not in default),    # else in doc
+                      textwrap.fill(each.doc, width, initial_indent=' ' * 6,
                                     subsequent_indent=' ' * 6)]
         return '\n'.join(lines) + '\n'
 
@@ -91,14 +87,14 @@ class Arguments:
 
     def _refuse(self, word):
         name, equals, value = word.partition('=')
-        if equals and name in self._defaults:
+        if equals and name in self._arguments:
             raise ArgumentError('got {}; write {}:={}', word, name, value)
         raise ArgumentError('got {}; write arguments like camera:=synthetic; ./run demo --help '
                             'lists them', word)
 
     def _value(self, name, value):
-        if name not in self._defaults:
-            similar = most_similar(name, self._defaults)
+        if name not in self._arguments:
+            similar = most_similar(name, self._arguments)
             if similar:
                 raise ArgumentError('demo.launch has no argument {}; did you mean {}?',
                                     name, similar)

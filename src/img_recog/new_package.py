@@ -65,9 +65,9 @@ def _check_name(name: str, own: pathlib.Path) -> None:
             name, sys.path[1:]) is not None:
         raise UserError('the node would be {}.py, and there is a Python module {}'.format(
             name, name), 'choose another name')
-    nodes = ElementTree.parse(str(own / 'launch' / 'demo.launch')).iter('node')
-    if name in {node.get('name') for node in nodes}:
-        raise UserError('demo.launch has a node {}'.format(name), 'choose another name')
+    for launch in sorted((own / 'launch').glob('*.launch')):
+        if name in {node.get('name') for node in ElementTree.parse(str(launch)).iter('node')}:
+            raise UserError('{} has a node {}'.format(launch.name, name), 'choose another name')
 
 
 def _check_folder(name: str, folder: str) -> pathlib.Path:

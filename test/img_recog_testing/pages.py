@@ -1,10 +1,14 @@
 """The Markdown pages of the project, read as far as the tests need them."""
 import glob
+import importlib
 import os
 import re
-from typing import List, NamedTuple
+import sys
+import types
+from typing import Any, Dict, List, NamedTuple
 
 ROOT = os.path.normpath(os.path.join(os.path.dirname(os.path.abspath(__file__)), '..', '..'))
+LAUNCH_FOLDER = os.path.join(ROOT, 'launch')
 _HEADING = re.compile(r'^(#+) (.*)$')
 _FENCED = re.compile(r'^```.*?^```$', re.MULTILINE | re.DOTALL)
 
@@ -79,3 +83,18 @@ def code(text: str) -> List[str]:
              if line.startswith('    ')]
     spans = re.findall(r'`([^`]+)`', re.sub(r'^    .*$', '', text, flags=re.MULTILINE))
     return lines + [' '.join(span.split()) for span in spans]
+
+
+def launch_arguments(file: str = 'demo.launch') -> Dict[str, Any]:
+    """Return the arguments that a launch file takes, with those of its parts, by name."""
+    tools = launch_file_tools()
+    return tools.taken(tools.with_parts(os.path.join(LAUNCH_FOLDER, file)))
+
+
+def launch_file_tools() -> types.ModuleType:
+    """Return the module launch_files of tools/."""
+    sys.path.append(os.path.join(ROOT, 'tools'))
+    try:
+        return importlib.import_module('launch_files')
+    finally:
+        sys.path.pop()

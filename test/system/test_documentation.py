@@ -33,8 +33,8 @@ from img_recog.settings import SettingError, Settings
 from img_recog.simulation.settings import PhysicsSettings, ViewSettings
 from img_recog.teleoperation.settings import TeleopSettings, VelocityLimits
 from img_recog_testing.ignored import shown as shown_by_git
-from img_recog_testing.pages import (ROOT, anchors, code, links, paths, read, rows,
-                                     tables)
+from img_recog_testing.pages import (LAUNCH_FOLDER, ROOT, anchors, code, launch_arguments,
+                                     launch_file_tools, links, paths, read, rows, tables)
 
 REFERENCE = read('doc/reference.md')
 # for each node its module, its settings classes, and its parameters that are in none of them
@@ -186,21 +186,10 @@ def test_a_difference_of_topics_is_found(old, new, words):
     assert words in '\n'.join(topic_differences(page, 'gazebo'))
 
 
-def launch_arguments(file):
-    root = ElementTree.parse(os.path.join(ROOT, 'launch', file)).getroot()
-    return [[shown(argument.get('name')),
-             'required' if argument.get('default') is None else shown(argument.get('default'))]
-            for argument in root.findall('arg') if argument.get('value') is None]
-
-
-CHAPTERS = {'demo.launch': 'Launch arguments'}      # of the others: their names
-
-
-@pytest.mark.parametrize('file', sorted(os.listdir(os.path.join(ROOT, 'launch'))))
-def test_launch_arguments_agree_with_the_launch_file(file):
-    page = rows(REFERENCE, CHAPTERS.get(file, file), 'argument')
-    lines = differences(page, launch_arguments(file))
-    assert not lines, '\n'.join(lines)
+def test_the_page_of_launch_files_is_printed_from_them():
+    assert read('doc/launch.md').splitlines() == list(
+        launch_file_tools().page(LAUNCH_FOLDER)), \
+        'python3 tools/launch_files.py > doc/launch.md'
 
 
 def test_the_posts_stand_where_the_page_says():
@@ -284,8 +273,7 @@ def existing():
     """The usage of ./run, the arguments of each launch file, and all parameters of nodes."""
     usage = subprocess.run([os.path.join(ROOT, 'run'), 'help'], stdout=subprocess.PIPE,
                            check=True).stdout.decode()
-    known = {file: {row[0].strip('`') for row in launch_arguments(file)}
-             for file in os.listdir(os.path.join(ROOT, 'launch'))}
+    known = {file: set(launch_arguments(file)) for file in os.listdir(LAUNCH_FOLDER)}
     return usage, known, {row[0].strip('`') for _, classes, _ in NODES.values()
                           for row in parameters(classes)}
 

@@ -2,14 +2,11 @@
 import os
 import shutil
 import subprocess
-import xml.etree.ElementTree as ElementTree
 
 import pytest
 
-from img_recog_testing.pages import ROOT
+from img_recog_testing.pages import ROOT, launch_arguments
 from img_recog_testing.waiting import DEADLINE_S, stretch
-
-LAUNCH = os.path.join(ROOT, 'launch', 'demo.launch')
 
 
 def checked(*words):
@@ -56,12 +53,12 @@ def test_help_lists_all_arguments_in_groups_with_their_defaults():
     code, output = checked('--help')
     assert code == 0
     lines = output.splitlines()
-    assert {'camera', 'simulator', 'recording'} <= set(lines)
-    for arg in ElementTree.parse(LAUNCH).getroot().iterfind('.//arg[@default]'):
-        name, default = arg.get('name'), arg.get('default').replace('$(find img_recog)/', '')
+    assert {'camera', 'simulator', 'more of simulator.launch'} <= set(lines)
+    for arg in launch_arguments().values():
+        name, default = arg.name, arg.default.replace('$(find img_recog)/', '')
         begin = lines.index('  ' + name if '$(' in default else '  {}:={}'.format(name, default))
         assert ' '.join(output.split('\n', begin + 1)[-1].split()).startswith(
-            ' '.join(arg.get('doc').split())), name
+            ' '.join(arg.doc.split())), name
 
 
 @pytest.mark.parametrize('name', ['old', 'old.bag'])
@@ -76,8 +73,7 @@ def test_a_recording_replaces_no_file(tmp_path, name):
     assert output.startswith('[run] record: {}/new.bag.active exists: '.format(tmp_path))
 
 
-DEFAULTS = [(arg.get('name'), arg.get('default'))
-            for arg in ElementTree.parse(LAUNCH).getroot().iterfind('.//arg[@default]')]
+DEFAULTS = [(each.name, each.default) for each in launch_arguments().values()]
 
 
 @pytest.mark.parametrize('words', [

@@ -83,7 +83,8 @@ def test_commands_are_limited(ros, simulate):
 
 
 def test_a_command_ends_after_the_timeout(ros, simulate):
-    simulate('_real_time_factor:=10', '_world:=empty', '_cmd_vel_timeout:=0.5')
+    # in wall time it is as long with each factor: 0.5 s of simulated time
+    simulate('_real_time_factor:=10', '_world:=empty', '_cmd_vel_timeout:=0.05')
     place = Echo(ros, '/odom/pose/pose/position')
     place.wait(lambda x, y, z: True, 'odometry')
     drive(ros, 0.2)

@@ -163,10 +163,13 @@ def test_a_recorder_after_a_failure(recording, tmp_path):
 
 
 def test_the_page_records_the_topics_that_the_demo_does():
-    values = {each.get('name'): each.get('value') for each in ElementTree.parse(
-        os.path.join(ROOT, 'launch', 'demo.launch')).iter('arg')}
-    topics = '{record_global} {record_topics}'.format(**values)
-    assert sorted(topics.split()) == sorted(bag_recording.TOPICS)
+    single, several = (each.get('value') for each in ElementTree.parse(
+        os.path.join(ROOT, 'launch', 'record.launch')).iter('arg')
+        if each.get('name') == 'record_topics')
+    assert sorted(single.split()) == sorted(bag_recording.TOPICS)
+    below = '(/.+)?/('      # of several robots: in each namespace
+    assert several == '|'.join(name for name in single.split() if name[0] == '/') + '|' + below \
+        + '|'.join(name for name in single.split() if name[0] != '/') + ')'
 
 
 def test_a_machine_without_setpriv(recording, monkeypatch, tmp_path):

@@ -1,15 +1,13 @@
 """What tools/demo_values.py refuses: what a node would refuse, in its words."""
 import importlib
 import os
-import xml.etree.ElementTree as ElementTree
 
 import pytest
 
 from img_recog.errors import UserError
-from img_recog_testing.pages import ROOT
+from img_recog_testing.pages import ROOT, launch_arguments
 
-ARGUMENTS = [(arg.get('name'), arg.get('default')) for arg in ElementTree.parse(
-    os.path.join(ROOT, 'launch', 'demo.launch')).getroot().iterfind('arg[@default]')]
+ARGUMENTS = [(each.name, each.default) for each in launch_arguments().values()]
 
 
 @pytest.fixture

@@ -1,5 +1,5 @@
 """What is found in the output of roslaunch: which node has ended, and why."""
-import os
+import glob
 import xml.etree.ElementTree as ElementTree
 
 import pytest
@@ -74,7 +74,8 @@ def test_a_process_that_is_started():
 
 
 def test_each_node_of_the_demo_has_a_name_for_users():
-    nodes = ElementTree.parse(os.path.join(ROOT, 'launch', 'demo.launch')).iter('node')
+    nodes = [node for path in glob.glob(ROOT + '/launch/*.launch')
+             for node in ElementTree.parse(path).iter('node')]
     windows = {'rviz', 'rqt_graph', 'rqt_reconfigure'}      # whose ends are no news
     assert {*PARTS, *windows} == {'master', *(node.get('name') for node in nodes)}
     assert describe(Death('web', False, 'no port.')) == 'the page (web) has ended: no port'

@@ -52,7 +52,7 @@ def test_the_template_is_copied_with_another_name(run, tmp_path, monkeypatch):
     ('../driver', "got the name '../driver'"),
     ('rospy', 'there is a package rospy in '), ('sys', 'there is a Python module sys'),
     ('numpy', 'the node would be numpy.py, and there is a Python module numpy'),
-    ('gazebo', 'demo.launch has a node gazebo; choose another name'),
+    ('gazebo', 'simulator.launch has a node gazebo; choose another name'),
     ('taken', 'taken exists; choose another name or folder'),
     ('dangling', 'dangling exists; choose another name or folder')])
 def test_names_that_cannot_be_used(run, tmp_path, name, words):

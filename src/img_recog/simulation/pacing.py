@@ -79,7 +79,7 @@ class Pace:
 def timeout_scale(real_time_factor: float) -> float:
     """Return how many times longer timeouts in simulated time are, to be as long in wall time.
 
-    Like demo.launch: never shorter, and for "as fast as possible" 100 times.
+    Never shorter, and for "as fast as possible" 100 times.
 
     >>> timeout_scale(0.5), timeout_scale(3.0), timeout_scale(0.0)
     (1.0, 3.0, 100.0)

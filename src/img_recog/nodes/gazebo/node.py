@@ -90,7 +90,6 @@ class Gazebo:
         self._pace = Pace(physics.real_time_factor)
         if stepping.paused:
             self._pace.pause()
-        self._given_factor = physics.real_time_factor
         self._clock = SimulatedClock(self._simulator, self._pace)
         self._calls = ServiceCalls()
         serve_physics(self._calls, {
@@ -102,6 +101,8 @@ class Gazebo:
                               wake=self._calls.wake)
         self._robots = Robots(self._simulator, models, self._images, statics, self._calls,
                               which.world_tf, self._lockstep)
+        if self._lockstep is None:      # else commands come in simulated time
+            self._robots.scale_timeouts(timeout_scale(physics.real_time_factor))
         self._waiting = Waiting(self._simulator, self._images, self._robots, self._lockstep)
         frame, origin = WORLD_FRAME, PlanePose(0.0, 0.0, 0.0)
         if single is None:
@@ -222,8 +223,7 @@ class Gazebo:
         if factor != self._pace.wanted:
             self._pace.set_wanted(factor)
             if self._lockstep is None:      # else commands come in simulated time
-                self._robots.scale_timeouts(
-                    timeout_scale(factor) / timeout_scale(self._given_factor))
+                self._robots.scale_timeouts(timeout_scale(factor))
 
     def _reset_world(self) -> None:
         self._waiting.discard_commands()

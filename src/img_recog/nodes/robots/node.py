@@ -17,7 +17,7 @@ from typing import Dict, Iterable, List
 import rospy
 from std_srvs.srv import Trigger, TriggerRequest, TriggerResponse
 
-from img_recog import resources, robot_file
+from img_recog import files, resources, robot_file
 from img_recog.errors import UserError, one_line
 from img_recog.nodes.robots import robot_list
 from img_recog.nodes.robots.robot_list import NodeSettings, Problem, RobotRow
@@ -96,7 +96,8 @@ class RobotsNode:
 
         Raises RobotListError when there is no list; then nothing changes.
         """
-        listed = robot_list.read_robots(self._settings.robots, self._defaults, resources.find)
+        listed = robot_list.read_robots(files.find_user_path(self._settings.robots),
+                                        self._defaults, resources.find)
         problems = list(listed.problems)
         wanted: Dict[str, RobotRow] = {}
         texts: Dict[str, str] = {}      # by path: xacro takes a second

@@ -110,7 +110,8 @@ def test_calibration_urls(monkeypatch, tmp_path):
     monkeypatch.setenv('ROS_HOME', str(tmp_path))
     path_of_url, default = camera_calibration.path_of_url, str(tmp_path / 'camera_info/front.yaml')
     for url, path in (('', default), ('file://${ROS_HOME}/camera_info/${NAME}.yaml', default),
-                      ('file:///a/b.yaml', '/a/b.yaml')):
+                      ('file:///a/b.yaml', '/a/b.yaml'),
+                      ('file://b.yaml', os.path.join(os.environ['PWD'], 'b.yaml'))):
         assert path_of_url(url, 'front') == path
     package = path_of_url('package://sensor_msgs/c/d.yaml', 'front')
     assert path_of_url('package://sensor_msgs/x/../c/d.yaml', 'front') == package
@@ -119,7 +120,7 @@ def test_calibration_urls(monkeypatch, tmp_path):
 
 @pytest.mark.parametrize('url, words', [
     ('http://x/y', 'allowed is file:///PATH, package://PACKAGE/PATH or empty'),
-    ('file://relative', ''),
+    ('file://', ''),
     ('package://sensor_msgs/../a.yaml', 'the path leaves the package sensor_msgs'),
     ('package://sensor_msgs/a/../../sensor_msgs2/a.yaml', 'the path leaves the package'),
     ('package://sensor_msgs//etc/a.yaml', 'the path leaves the package'),
