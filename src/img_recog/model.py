@@ -1,9 +1,10 @@
 """What a file says of robots and worlds, whoever wrote it, and what there is to draw of them.
 
-Plain values: no XML, no physics, no OpenGL. Lengths are in m, angles in rad, masses in kg.
+Plain values: no XML but that of sensors, no physics, no OpenGL. Lengths are in m, angles in rad,
+masses in kg.
 """
 from dataclasses import dataclass, field
-from typing import Mapping, NamedTuple, Optional, Sequence, Set, Tuple
+from typing import Any, Mapping, NamedTuple, Optional, Sequence, Set, Tuple
 
 import numpy as np
 
@@ -181,15 +182,25 @@ class Frame(NamedTuple):
     pose: Transform = IDENTITY
 
 
+class Tag(NamedTuple):
+    """What Gazebo is told of a link, or with `link` '' of the model: an element (of
+    xml.etree.ElementTree) that has <sensor>s and <plugin>s, which formats/gazebo_tags.py reads.
+    """
+
+    link: str
+    element: Any
+
+
 @dataclass(frozen=True)
 class Model:
     """Links that joints hold together as a tree.
 
     frames: where each link of the file is, also one that was lumped into another; surfaces: of
     each link of the file with a contact sensor, the links that have its solids and no others;
-    loops: joints for which the tree has no place, at poses in the root link; missing_meshes: URIs;
-    missing_looks: what is not known or not found of materials; warnings: what is simulated in
-    another way than given, a line each; left_out: joints; changed_inertias: links.
+    tags: of its sensors and plugins; loops: joints for which the tree has no place, at poses in
+    the root link; missing_meshes: URIs; missing_looks: what is not known or not found of
+    materials; warnings: what is simulated in another way than given, a line each; left_out:
+    joints; changed_inertias: links.
     """
 
     name: str
@@ -197,6 +208,7 @@ class Model:
     joints: Tuple[Joint, ...] = ()
     frames: Mapping[str, Frame] = field(default_factory=dict)
     surfaces: Mapping[str, Sequence[str]] = field(default_factory=dict)
+    tags: Tuple[Tag, ...] = ()
     loops: Tuple[Joint, ...] = ()
     missing_meshes: Tuple[str, ...] = ()
     missing_looks: Tuple[str, ...] = ()

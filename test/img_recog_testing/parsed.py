@@ -2,6 +2,7 @@
 from typing import NamedTuple, Sequence
 
 from img_recog.formats import camera_tags, gazebo_tags, lumping, urdf
+from img_recog.model import Tag
 from img_recog.simulation.sensors import robot_camera
 from img_recog.simulation.settings import CameraSettings
 
@@ -32,11 +33,15 @@ class Cameras(NamedTuple):
 def cameras(text):
     """Return the cameras of a URDF."""
     root = urdf.root_of(text)
-    found, problems = camera_tags.read(root.findall('gazebo'),
-                                       [link.get('name') for link in root.findall('link')])
+    found, problems = camera_tags.read(_tags(root), [
+        link.get('name') for link in root.findall('link')])
     return Cameras(tuple(map(robot_camera.settings_of, found)), tuple(problems))
 
 
 def tags(text, step_s=0.001, readers=()):
     """Return what is in the <gazebo> tags of a URDF."""
-    return gazebo_tags.read(urdf.root_of(text).findall('gazebo'), step_s, readers)
+    return gazebo_tags.read(_tags(urdf.root_of(text)), step_s, readers)
+
+
+def _tags(root):
+    return [Tag(tag.get('reference', ''), tag) for tag in root.findall('gazebo')]

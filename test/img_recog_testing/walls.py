@@ -8,7 +8,7 @@ GROUND_FLOOR = ('bag_recording', 'errors', 'files', 'helper_process', 'launch_ou
                 'option_types', 'process_tree', 'resources', 'robot_file', 'rotations', 'settings',
                 'signals', 'still_images', 'textures', 'timed_xmlrpc')
 # the rooms of simulation/, from the lowest to the highest: none imports one above it
-SIMULATION_ROOMS = ('settings', 'physics', 'sensors', 'vehicle', 'simulator',
+SIMULATION_ROOMS = ('settings', 'physics', 'sensors', 'carrier', 'vehicle', 'simulator',
                     'pictures', 'models', 'figures', 'places', 'pacing', 'assembly')
 # libraries that only some folders or files may use
 OWNERS = {

@@ -21,6 +21,12 @@ EYE = ('<gazebo reference="camera_link"><sensor type="camera" name="eye"><camera
        '<width>64</width><height>48</height></image></camera><plugin name="p" '
        'filename="libgazebo_ros_camera.so"><cameraName>front</cameraName></plugin></sensor>'
        '</gazebo>')
+EYES = ('<model name="eyes"><static>1</static><link name="l">{}</link></model>'.format(''.join(
+    '<sensor name="{}" type="{}">{}</sensor>'.format(*each) for each in (
+        ('scan', 'ray', ''), ('around', 'gpu_ray', '<ray><scan><horizontal><samples>1</samples>'
+                              '</horizontal></scan></ray>'), ('tilt', 'imu', ''),
+        ('cam', 'camera', '<camera><image><width>32</width><height>24</height></image></camera>')
+    ))))
 CHAIR = '<include><uri>model://chair</uri></include>'
 
 
@@ -117,9 +123,20 @@ def test_pictures_of_the_cameras_of_a_robot(run, tmp_path):
     code, lines = run('simulate.py', 'color_posts', '--urdf', 'my.urdf', '--until', '0.01',
                       '--pictures', 'eyes')
     assert code == 0, lines
-    image = cv2.imread(str(tmp_path / 'eyes' / 'front_image_raw.png'))
+    image = cv2.imread(str(tmp_path / 'eyes' / 'eye.png'))
     assert image.shape == (48, 64, 3)
     assert image.std() > 5          # something is seen
+
+
+def test_sensors_of_models_are_printed_and_drawn_by_their_names(run, tmp_path):
+    (tmp_path / 'eyes.sdf').write_text(sdf(BUILT_IN, WALL, EYES))
+    code, lines = run('simulate.py', 'eyes.sdf', '--until', '0.01', '--pictures', '.')
+    assert code == 0, lines
+    tilt, scan, around = map(json.loads, lines[-4:-1])
+    assert list(scan) == ['ray', 'ranges'] and scan['ray'] == 'scan'
+    assert around['gpuray'] == 'around' and len(around['ranges']) == 1
+    assert tilt == {'imu': 'tilt', 'acc': pytest.approx([0, 0, 9.8]), 'gyro': [0, 0, 0]}
+    assert cv2.imread(str(tmp_path / 'cam.png')).shape == (24, 32, 3)
 
 
 def test_a_motor_drives_a_joint(run, tmp_path):

@@ -47,7 +47,7 @@ def test_only_lifecycle_uses_shutdown_hooks_of_rospy():
     ('formats/a.py', 'from img_recog.simulation.physics import body', 'formats may use'),
     ('simulation/physics/a.py', 'from img_recog.simulation.sensors import imu',
      'sensors is above physics'),
-    ('simulation/sensors/a.py', 'from img_recog.simulation.vehicle import Reading',
+    ('simulation/sensors/a.py', 'from img_recog.simulation.vehicle import Vehicle',
      'vehicle is above sensors'),
     ('simulation/simulator.py', 'from .pictures import view', 'pictures is above simulator'),
     ('simulation/deeper/a.py', 'from img_recog.simulation.physics import body',

@@ -38,7 +38,7 @@ def simulate() -> int:
     parser = argparse.ArgumentParser(
         prog='simulate.py', allow_abbrev=False, description='Simulate a world as fast as it goes '
         'and print lines of JSON: where all links and joints are at each time, and at the end '
-        'what the sensors of the robot measure, and the masses. It needs no master. Exits with 1 '
+        'what the sensors measure, and the masses. It needs no master. Exits with 1 '
         'if the world or the robot cannot be used, with 2 if something of the world is left out.')
     parser.add_argument('world', metavar='WORLD',
                         help='an SDF, URDF or xacro file, or what else `world` can be')
@@ -56,7 +56,7 @@ def simulate() -> int:
                         default=[], help='of a model at the start, in m/s and rad/s; may be '
                         'repeated')
     parser.add_argument('--pictures', metavar='DIR', default='',
-                        help='write an image of each camera of the robot at the end')
+                        help='write an image of each camera at the end')
     given = parser.parse_args()
     from img_recog.checks import simulation_run
     try:

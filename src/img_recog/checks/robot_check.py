@@ -116,7 +116,7 @@ def _drive(robot: RobotSource, drive: DriveSettings) -> Iterator[Row]:
 
 
 def _sensors(robot: RobotSource, vehicle: Vehicle) -> Iterator[Row]:
-    for name, kind, _, _, place in robot.sensors:
+    for name, kind, _, _, place, *_ in robot.sensors:
         settings = vehicle.settings.sensors[name]
         if name in vehicle.missing_sensors:
             yield Row(NOT_SIMULATED, name, 'no link ' + vehicle.missing_sensors[name])

@@ -15,6 +15,7 @@ from img_recog.errors import UserError
 from img_recog.formats import world_file
 from img_recog.rendering import lens_views, renderer
 from img_recog.simulation import assembly
+from img_recog.simulation.carrier import Carrier
 from img_recog.simulation.figures import Figures
 from img_recog.simulation.models import Models
 from img_recog.simulation.pictures import visual_scene
@@ -35,8 +36,8 @@ class Options(NamedTuple):
     world: like the launch argument; urdf: of a robot at the origin of the world, '' for none;
     until_s, every_s: simulated time of the end and between two lines; twist: the command of the
     robot, 'V,W'; drive: motors, 'MODEL::JOINT=VELOCITY:TORQUE' each; velocity: of models at the
-    start, 'MODEL=VX,VY,VZ[,WX,WY,WZ]' each; pictures: a folder for an image of each camera of the
-    robot at the end, '' for none.
+    start, 'MODEL=VX,VY,VZ[,WX,WY,WZ]' each; pictures: a folder for an image of each camera at the
+    end, '' for none.
     """
 
     world: str
@@ -59,7 +60,7 @@ class Run:
         file = world_file.read(options.world, resources.worlds(), resources.find, True,
                                read_file=robot_file.read_any)
         robots = [self._robot(options.urdf, physics.step_s)] if options.urdf else []
-        self._built = assembly.build(physics, file, robots)
+        self._built = assembly.build(physics, file, robots, kinds=SENSORS)
         self.warnings = (*(line for robot, _ in robots for line in robot.warnings),
                          *self._built.warnings)
         self.left_out = (*file.left_out, *self._built.left_out)
@@ -101,11 +102,11 @@ class Run:
         while self._simulator.steps < end:
             steps = min(every, end - self._simulator.steps)
             for reading in self._simulator.advance(steps):
-                if reading.kind in _PRINTED:
-                    self._readings[reading.sensor, reading.kind] = reading.value
+                self._readings[reading.robot, reading.sensor] = reading.value
             if steps == every:
                 yield self._line()
-        yield from map(_sensor_line, self._readings, self._readings.values())
+        for carrier in self._simulator.carriers:
+            yield from self._of_sensors(carrier)
         if self._options.pictures:
             self._draw(self._options.pictures)
         yield {'end': True, 'mass': self._figures.masses()}
@@ -114,19 +115,33 @@ class Run:
         return {'t': round(self._simulator.time_s, 9), 'links': self._figures.links(),
                 'joints': self._figures.joints()}
 
+    def _of_sensors(self, carrier: Carrier) -> Iterator[Dict[str, Any]]:
+        """Yield lines with the names that Gazebo has for sensors."""
+        rays = carrier.measure()        # now: Gazebo's recorder casts them at the end, too
+        for each in carrier.sensors:
+            value = rays.get(each.name, self._readings.get((carrier.robot.name, each.name)))
+            if each.kind.name not in _PRINTED or value is None:
+                continue
+            name = each.label or each.name
+            if each.kind.name == 'imu':
+                yield {'imu': name, 'acc': list(value.linear_acceleration),
+                       'gyro': list(value.angular_velocity)}
+            else:
+                yield {'gpuray' if each.type == 'gpu_ray' else 'ray': name,
+                       'ranges': value.tolist() if each.kind.name == 'scan' else [value]}
+
     def _draw(self, folder: str) -> None:
-        """Write a PNG of each camera of the robot."""
+        """Write a PNG of each camera."""
         parts = Parts(self._simulator)
         drawn_by, _ = renderer.make_or(TinyRenderer)
         drawn_by.load(visual_scene.read(self._built.scene, parts), parts.poses())
         os.makedirs(folder, exist_ok=True)
-        for vehicle, cameras in zip(self._simulator.vehicles, self._built.cameras):
-            for settings in cameras:
-                exposure = RobotCamera(vehicle.robot, settings, parts.poses).read()
+        for carrier, source in zip(self._simulator.carriers, self._built.sources):
+            for settings, name in zip(source.cameras, source.camera_names):
+                exposure = RobotCamera(carrier.robot, settings, parts.poses).read()
                 image = lens_views.draw(drawn_by, robot_cameras.camera_of(settings),
                                         exposure.camera_pose, exposure.poses)
-                name = re.sub('[^A-Za-z0-9_.-]+', '_', settings.camera_image_topic.strip('/'))
-                path = os.path.join(folder, name + '.png')
+                path = os.path.join(folder, re.sub('[^A-Za-z0-9_.-]+', '_', name) + '.png')
                 if not cv2.imwrite(path, cv2.cvtColor(image, cv2.COLOR_RGB2BGR)):
                     raise UserError('cannot write ' + path, 'give --pictures another folder')
 
@@ -148,14 +163,6 @@ def _plain(value: Any) -> Any:
     if isinstance(value, float):
         return float('{:.9g}'.format(value)) if math.isfinite(value) else repr(value)
     return value
-
-
-def _sensor_line(key: Tuple[str, str], value: Any) -> Dict[str, Any]:
-    name, kind = key
-    if kind == 'imu':
-        return {'imu': name, 'acc': list(value.linear_acceleration),
-                'gyro': list(value.angular_velocity)}
-    return {'ray': name, 'ranges': value.tolist() if kind == 'scan' else [value]}
 
 
 def _named(option: str, text: str, separator: str,

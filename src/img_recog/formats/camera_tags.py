@@ -1,4 +1,4 @@
-"""The cameras in the <gazebo> tags of a URDF.
+"""The cameras of a model: in the <gazebo> tags of a URDF, or the links of an SDF.
 
 They are the sensors with a camera plugin of gazebo_plugins; camera_values.py reads their values.
 """
@@ -8,19 +8,24 @@ from typing import Container, Dict, List, NamedTuple, Optional, Sequence, Tuple
 from img_recog.formats import camera_values
 from img_recog.formats.camera_values import Values
 from img_recog.formats.texts import name_of
+from img_recog.model import Tag
 
 _PLUGINS = {'camera': ('gazebo_ros_camera',), 'wideanglecamera': ('gazebo_ros_camera',),
             'multicamera': ('gazebo_ros_multicamera',),
             'depth': ('gazebo_ros_openni_kinect', 'gazebo_ros_depth_camera')}
+TYPES = tuple(_PLUGINS)
 _TOPICS = ('camera_image_topic', 'camera_info_topic', 'camera_depth_topic',
            'camera_depth_info_topic', 'camera_points_topic')
 
 
 class Camera(NamedTuple):
-    """A camera; sensor: the name of that; values: settings by name."""
+    """A camera; sensor: the name of that; values: settings by name; is_bare: whether it has no
+    plugin that publishes its images.
+    """
 
     sensor: str
     values: Values
+    is_bare: bool = False
 
 
 def plugin_of(sensor: ElementTree.Element) -> Optional[ElementTree.Element]:
@@ -30,23 +35,26 @@ def plugin_of(sensor: ElementTree.Element) -> Optional[ElementTree.Element]:
                  if any(word in plugin.get('filename', '') for word in words)), None)
 
 
-def read(tags: Sequence[ElementTree.Element],
-         links: Container[str]) -> Tuple[List[Camera], List[str]]:
-    """Return the cameras in <gazebo> tags, in their order, and what of them is not simulated.
+def read(tags: Sequence[Tag], links: Container[str],
+         with_bare: bool = False) -> Tuple[List[Camera], List[str]]:
+    """Return the cameras of a model, in their order, and what of them is not simulated.
 
-    links: the names of those that can carry one. Of two cameras with a topic of the same name, the
-    first one counts.
+    links: the names of those that can carry one; with_bare: whether those without a plugin count
+    too. Of two cameras with a topic of the same name, the first one counts.
     Raises SimulationError when a value cannot be read.
     """
     found: List[Camera] = []
     problems: List[str] = []
     owners: Dict[str, str] = {}         # of topics
-    for tag in tags:
-        for sensor in tag.findall('sensor'):
-            plugin = plugin_of(sensor)
+    for link, element in tags:
+        for sensor in element.findall('sensor'):
+            plugin, is_bare = plugin_of(sensor), False
             if plugin is None:
-                continue
-            name, link = name_of(sensor), tag.get('reference', '')
+                is_bare = with_bare and sensor.get('type') in TYPES
+                if not is_bare:
+                    continue
+                plugin = ElementTree.Element('plugin')
+            name = name_of(sensor)
             if link not in links:
                 problems.append('sensor {}, because the reference of its <gazebo> tag is no link'
                                 .format(name))
@@ -56,11 +64,12 @@ def read(tags: Sequence[ElementTree.Element],
             for camera, side in _cameras(sensor):
                 values = {'camera_frame': link, **camera_values.of_camera(sensor, camera),
                           **camera_values.of_plugin(sensor, plugin, side)}
-                topics = [values[topic] for topic in _TOPICS if values.get(topic)]
+                topics = [values[topic] for topic in _TOPICS
+                          if values.get(topic) and not is_bare]
                 taken = next((topic for topic in topics if topic in owners), None)
                 if taken is None:
                     owners.update(dict.fromkeys(topics, name))
-                    found.append(Camera(name, values))
+                    found.append(Camera(name, values, is_bare))
                 else:
                     problems.append('sensor {}, because its topic {} is one of sensor {}'.format(
                         name, taken, owners[taken]))

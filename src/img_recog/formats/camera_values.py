@@ -19,6 +19,9 @@ _MAX_IGNORED = 1e-6         # of a coefficient: examples have 0.00000001
 _NUMBERS = {'horizontal_fov': 'camera_horizontal_fov', 'clip/near': 'camera_near',
             'clip/far': 'camera_far', 'noise/stddev': 'camera_noise'}
 _WHOLE_NUMBERS = {'image/width': 'camera_width', 'image/height': 'camera_height'}
+# of SDF
+_DEFAULTS = {'camera_width': 320, 'camera_height': 240, 'camera_horizontal_fov': 1.047,
+             'camera_near': 0.1, 'camera_far': 100.0}
 # of <image><format>, as libgazebo_ros_camera names them
 _ENCODINGS = {'R8G8B8': 'rgb8', 'RGB_INT8': 'rgb8', 'B8G8R8': 'bgr8', 'BGR_INT8': 'bgr8',
               'L8': 'mono8', 'L_INT8': 'mono8'}
@@ -69,7 +72,7 @@ def of_camera(sensor: ElementTree.Element, camera: ElementTree.Element) -> Value
     """
     of = ' of sensor ' + name_of(sensor)
     is_wide = sensor.get('type') == _WIDE
-    values = _pose(sensor, camera, of)
+    values: Values = {**_DEFAULTS, **_pose(sensor, camera, of)}
     if _format(camera) in _ENCODINGS:
         values['camera_encoding'] = _ENCODINGS[_format(camera)]
     if is_wide:

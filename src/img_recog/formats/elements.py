@@ -92,8 +92,8 @@ SDF: Dict[str, Row] = {
                  'gripper plugin light', why='nothing falls asleep here'),
     'include': Row('uri name pose static', not_simulated='placement_frame plugin frame joint'),
     'model/frame': Row('pose'), 'world/frame': Row('pose'),
-    'link': Row('pose inertial collision visual', no_effect='must_be_base_link',
-                not_simulated='sensor gravity=1 kinematic=0 self_collide=0 enable_wind=0 '
+    'link': Row('pose inertial collision visual sensor', no_effect='must_be_base_link',
+                not_simulated='gravity=1 kinematic=0 self_collide=0 enable_wind=0 '
                 'velocity_decay=0 projector audio_source audio_sink battery light '
                 'particle_emitter'),
     'inertial': Row('mass inertia pose', no_effect='density auto_inertia_params'),

@@ -1,4 +1,6 @@
-"""The settings that the <gazebo> tags of a URDF give for the drive and the sensors.
+"""The settings that the <sensor>s and <plugin>s of a model give for the drive and the sensors.
+
+They are in the <gazebo> tags of a URDF, and in the links and the models of an SDF.
 
 drive_tags.py has the rows of drives, camera_tags.py reads those of cameras, urdf_links.py
 friction. The rows of each kind of sensors are beside its class, as `Tags`.
@@ -11,8 +13,8 @@ from typing import (Any, Callable, Dict, Iterator, List, Mapping, NamedTuple, Op
 from img_recog.errors import SimulationError
 from img_recog.formats import camera_tags
 from img_recog.formats.numbers import read_numbers
-from img_recog.formats.texts import text_of
-from img_recog.model import Frame
+from img_recog.formats.texts import name_of, text_of
+from img_recog.model import Frame, Tag
 from img_recog.rotations import IDENTITY, transform
 from img_recog.settings import nearest_period
 
@@ -50,8 +52,8 @@ class Tags(NamedTuple):
     counts. sensors: the types of <sensor> that such a plugin can be in; needs_sensor: whether it
     must be in one. frame: the setting that is the link of the tag, unless a row has it; a robot
     can have several sensors of a kind that has one. defaults: settings that hold where a plugin
-    has none, by a part of its file name. not_simulated: returns what of a <sensor>, or of
-    a plugin outside of one, is not simulated.
+    has none, by a part of its file name; bare: those of a sensor without a plugin. not_simulated:
+    returns what of a <sensor>, or of a plugin outside of one, is not simulated.
     """
 
     plugins: Sequence[str]
@@ -60,18 +62,24 @@ class Tags(NamedTuple):
     frame: str = ''
     needs_sensor: bool = False
     defaults: Mapping[str, Values] = {}
+    bare: Values = {}
     not_simulated: Callable[[ElementTree.Element], Sequence[str]] = lambda owner: ()
 
 
 class SensorTag(NamedTuple):
-    """A sensor in <gazebo> tags.
+    """A sensor in a file.
 
-    tags: of its kind; values: its settings, by name; place: None if nothing says it.
+    tags: of its kind; values: its settings, by name; place: None if nothing says it; label: its
+    own name; type: of its <sensor>, '' if it is a plugin alone; is_bare: whether it has no plugin
+    that publishes what it measures.
     """
 
     tags: Tags
     values: Values
     place: Optional[Frame]
+    label: str = ''
+    type: str = ''
+    is_bare: bool = False
 
 
 class Found(NamedTuple):
@@ -89,16 +97,17 @@ class Found(NamedTuple):
     sensors: List[SensorTag]
 
 
-def read(tags: Sequence[ElementTree.Element], step_s: float, readers: Sequence[Tags]) -> Found:
-    """Return what the <gazebo> tags of a URDF give.
+def read(tags: Sequence[Tag], step_s: float, readers: Sequence[Tags],
+         with_bare: bool = False) -> Found:
+    """Return what the tags of a model give.
 
-    step_s: of the physics. Settings without a tag are absent. Leading slashes of names are
-    removed. Of two drives, the first counts.
+    step_s: of the physics. with_bare: whether sensors without a plugin count too. Settings without
+    a tag are absent. Leading slashes of names are removed. Of two drives, the first counts.
     Raises SimulationError when a value cannot be read.
     """
     found = Found({}, [], [])
     known: List[Tags] = []          # those that have read a part
-    for part in _parts(tags, readers):
+    for part in _parts(tags, readers, with_bare):
         new = [reader for reader in part.readers if reader not in known]
         for reader in part.readers:
             if reader in new or reader.frame:
@@ -106,7 +115,7 @@ def read(tags: Sequence[ElementTree.Element], step_s: float, readers: Sequence[T
                 if reader in new:
                     found.values.update(values)
                 if reader.frame:
-                    found.sensors.append(SensorTag(reader, values, _place_of(part)))
+                    found.sensors.append(_sensor(reader, values, part))
                 owner = part.plugin if part.sensor is None else part.sensor
                 if owner is not None:
                     found.not_simulated.extend(reader.not_simulated(owner))
@@ -123,27 +132,33 @@ class _Part(NamedTuple):
 
     readers: Sequence[Tags]
     label: str
-    link: Optional[str]
+    link: str
     sensor: Optional[ElementTree.Element]
     plugin: Optional[ElementTree.Element]
 
 
-def _parts(tags: Sequence[ElementTree.Element], readers: Sequence[Tags]) -> Iterator[_Part]:
-    for tag in tags:
-        link = tag.get('reference')
-        for plugin in tag.findall('plugin'):
+def _sensor(reader: Tags, values: Values, part: _Part) -> SensorTag:
+    if part.sensor is None:
+        return SensorTag(reader, values, _place_of(part))
+    return SensorTag(reader, values, _place_of(part), name_of(part.sensor),
+                     part.sensor.get('type', ''), part.plugin is None)
+
+
+def _parts(tags: Sequence[Tag], readers: Sequence[Tags], with_bare: bool) -> Iterator[_Part]:
+    for link, element in tags:
+        for plugin in element.findall('plugin'):
             of_plugin = [reader for reader in readers
                          if not reader.needs_sensor and is_of(plugin, reader)]
             yield _Part(of_plugin, _label(plugin, 'filename'), link, None, plugin)
-        for sensor in tag.findall('sensor'):
-            yield from _sensor_parts(sensor, link, readers)
+        for sensor in element.findall('sensor'):
+            yield from _sensor_parts(sensor, link, readers, with_bare)
 
 
-def _sensor_parts(sensor: ElementTree.Element, link: Optional[str],
-                  readers: Sequence[Tags]) -> Iterator[_Part]:
+def _sensor_parts(sensor: ElementTree.Element, link: str, readers: Sequence[Tags],
+                  with_bare: bool) -> Iterator[_Part]:
     plugins = sensor.findall('plugin')
     camera = camera_tags.plugin_of(sensor)
-    if camera is not None:
+    if camera is not None or with_bare and sensor.get('type') in camera_tags.TYPES:
         for plugin in plugins:
             if plugin is not camera:
                 yield _Part((), _label(plugin, 'filename'), link, sensor, plugin)
@@ -153,7 +168,10 @@ def _sensor_parts(sensor: ElementTree.Element, link: Optional[str],
                    _label(plugin, 'filename'), link, sensor, plugin) for plugin in plugins]
     # one without a plugin publishes nothing: the official burger has such an imu sensor in
     # addition to the plugin that publishes
-    if not any(part.readers for part in parts) and (plugins or not of_type):
+    is_bare = not any(part.readers for part in parts)
+    if is_bare and with_bare and of_type:
+        yield _Part(of_type[:1], _label(sensor, 'type'), link, sensor, None)
+    elif is_bare and (plugins or not of_type):
         yield _Part((), _label(sensor, 'type'), link, sensor, None)
     yield from parts
 
@@ -179,7 +197,7 @@ def _label(element: ElementTree.Element, attribute: str) -> str:
 
 
 def _values_in(part: _Part, tags: Tags, step_s: float) -> Values:
-    values: Values = {}
+    values: Values = dict(tags.bare) if part.plugin is None else {}
     for word, defaults in tags.defaults.items():
         if part.plugin is not None and word in part.plugin.get('filename', ''):
             values.update(defaults)

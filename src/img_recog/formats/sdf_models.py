@@ -1,4 +1,5 @@
 """The models of an SDF as trees of links."""
+import dataclasses
 import xml.etree.ElementTree as ElementTree
 from typing import Dict, Iterator, List, Optional, Sequence
 
@@ -9,7 +10,7 @@ from img_recog.formats.sdf_frames import WORLD, Scope, pose_of
 from img_recog.formats.sdf_joints import Axis, Joints, SdfJoint, SdfLink, Version
 from img_recog.formats.texts import name_of
 from img_recog.model import (CONTINUOUS, FIXED, HEIGHTMAP, NO_INERTIA, PRISMATIC, REVOLUTE, Frame,
-                             Inertia, Joint, Limits, Link, Look, Model, Solid, Tree)
+                             Inertia, Joint, Limits, Link, Look, Model, Solid, Tag, Tree)
 from img_recog.rotations import IDENTITY, Transform
 
 _FAR_M = 1e16
@@ -29,8 +30,15 @@ def trees(model: ElementTree.Element, version: Version, find: FindFile,
     joints_of = _joints_of_links(parts)
     for root in _roots(parts):
         for tree in _Builder(parts, joints_of, root, find, problems).trees(name, pose):
-            found.append(tree._replace(first=False) if found else tree._replace(name=name))
+            found.append(tree._replace(first=False) if found else _with_plugins(
+                tree._replace(name=name), model))
     return found
+
+
+def _with_plugins(tree: Tree, model: ElementTree.Element) -> Tree:
+    """Return the first tree of a model with the plugins of the model and of those in it."""
+    tags = tuple(Tag('', each) for each in model.iter('model') if each.find('plugin') is not None)
+    return tree._replace(model=dataclasses.replace(tree.model, tags=(*tags, *tree.model.tags)))
 
 
 def _roots(parts: Joints) -> List[SdfLink]:
@@ -103,10 +111,13 @@ class _Builder:
                 frames[away.child] = joint.pose
                 names.append(away.child)
                 self._add_joint(away, _relative(frames[link], joint.pose))
+        tags = tuple(Tag(link, self._given[link].element) for link in names
+                     if self._given[link].element.find('sensor') is not None)
         model = Model(name, tuple(self._links), tuple(self._joints),
                       {link: Frame(link, _relative(frames[link], self._given[link].pose))
-                       for link in names}, loops=tuple(self._loops(loops, base)),
-                      warnings=tuple(self._warnings))
+                       for link in names},
+                      {tag.link: (tag.link,) for tag in tags}, tags,
+                      loops=tuple(self._loops(loops, base)), warnings=tuple(self._warnings))
         tree = Tree('{}::{}'.format(name, root.name), model, model_pose @ base,
                     is_fixed or base is not root.pose, base)
         return [tree, *(each._replace(name='{}::{}'.format(name, each.name),

@@ -11,7 +11,7 @@ from img_recog.formats.numbers import read_direction, read_limit
 from img_recog.formats.texts import name_of
 from img_recog.formats.urdf_links import Links, origin_of
 from img_recog.markup import MarkupError, check_expanded, parse_xml
-from img_recog.model import FIXED, Joint, Limits, Model
+from img_recog.model import FIXED, Joint, Limits, Model, Tag
 
 
 def root_of(urdf: Union[str, ElementTree.Element]) -> ElementTree.Element:
@@ -58,21 +58,19 @@ def read(robot: ElementTree.Element, find: FindFile) -> Model:
         robot.get('name') or 'robot', tuple(map(reader.link, robot.findall('link'))), joints,
         surfaces={tag.attrib['reference']: () for tag in robot.findall('gazebo[@reference]')
                   if tag.find("sensor[@type='contact']/plugin") is not None},
+        tags=tuple(Tag(tag.get('reference', ''), tag) for tag in robot.findall('gazebo')),
         missing_meshes=tuple(reader.missing_meshes), missing_looks=tuple(reader.missing_looks),
         warnings=('it contains xacro ({}), which is not expanded'.format(xacro),) if xacro else ())
 
 
-def used_tags(robot: ElementTree.Element, model: Model
-              ) -> Tuple[List[ElementTree.Element], List[str]]:
+def used_tags(robot: ElementTree.Element, model: Model) -> Tuple[List[Tag], List[str]]:
     """Return the <gazebo> tags of a <robot> that Gazebo looks at, and the links that others name.
 
     model: lumped; those of links that it does not have are not looked at.
     """
-    known = {None, '', *model.frames, *(joint.get('name') for joint in robot.findall('joint'))}
-    tags = robot.findall('gazebo')
-    return ([tag for tag in tags if tag.get('reference') in known],
-            list(dict.fromkeys(tag.attrib['reference'] for tag in tags
-                               if tag.get('reference') not in known)))
+    known = {'', *model.frames, *(joint.get('name') for joint in robot.findall('joint'))}
+    return ([tag for tag in model.tags if tag.link in known],
+            list(dict.fromkeys(tag.link for tag in model.tags if tag.link not in known)))
 
 
 def _joint(joint: ElementTree.Element, links: List[str]) -> Joint:

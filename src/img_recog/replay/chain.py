@@ -13,7 +13,7 @@ from img_recog.recordings.frames import SECOND_NS, Frame
 if TYPE_CHECKING:       # they import PyBullet, which film.py does not need
     from img_recog.simulation.physics.body import Motion
     from img_recog.simulation.simulator import Simulator
-    from img_recog.simulation.vehicle import Reading
+    from img_recog.simulation.carrier import Reading
 
 RECOGNITION, TELEOP = 'recognition', 'teleop'
 _TELEOP_PERIOD_NS = SECOND_NS // 10     # the idle teleop publishes zeros at 10 Hz

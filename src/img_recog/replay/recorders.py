@@ -13,7 +13,7 @@ from img_recog.recognition.settings import Color
 from img_recog.replay.chain import (RECOGNITION, SECOND_NS, TELEOP, CommandSent, FrameResult,
                                     Recorder)
 from img_recog.replay.plot_data import PlotData
-from img_recog.simulation.vehicle import Reading
+from img_recog.simulation.carrier import Reading
 
 RECORDED = 'odometry', 'joint_states'       # of the sensors
 _MOTION = 6             # columns of a row of the picture: time and state of the robot

@@ -54,8 +54,8 @@ def camera_settings(built: Assembly) -> CameraSettings:
 
     Raises UserError if it has neither.
     """
-    if built.cameras[0]:
-        return built.cameras[0][0]
+    if built.sources[0].cameras:
+        return built.sources[0].cameras[0]
     vehicle, = built.simulator.vehicles
     if vehicle.robot.has_frame(_CAMERA_LINK):
         return CameraSettings(camera_frame=_CAMERA_LINK, camera_optical_frame=_CAMERA_FRAME)

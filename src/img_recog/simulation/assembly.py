@@ -8,7 +8,7 @@ import dataclasses
 import xml.etree.ElementTree as ElementTree
 from typing import Any, Callable, Iterator, List, Mapping, NamedTuple, Sequence, Tuple, Union
 
-from img_recog.errors import SimulationError, UserError, shortened
+from img_recog.errors import SimulationError, UserError, one_line, shortened
 from img_recog.files import FindFile
 from img_recog.formats import (audit, camera_tags, drive_controllers, drive_tags, gazebo_tags,
                                lumping, urdf as urdf_file)
@@ -20,6 +20,7 @@ from img_recog.mesh_file import READABLE
 from img_recog.model import Model
 from img_recog.settings import SettingError, from_mapping
 from img_recog.simulation import places
+from img_recog.simulation.carrier import Carrier
 from img_recog.simulation.physics import wheels
 from img_recog.simulation.physics.client import all_or_nothing, connect
 from img_recog.simulation.physics.world import World
@@ -35,13 +36,14 @@ ReadSettings = Callable[[type, Mapping[str, Any]], Any]
 
 
 class RobotSource(NamedTuple):
-    """What a URDF gives.
+    """What a file says of a robot, or of a model with sensors.
 
     source: what messages call the text, like robot_description or the path of a file; sensors:
     all but cameras; tag_values: the settings in its <gazebo> tags of what is there once and of the
-    first sensor of each kind, by name; cameras: those in its <gazebo> tags; warnings: a line each;
-    not_simulated: what is in its tags; other_drives: the part of that which may drive the robot,
-    where nothing else says how it is driven; findings: what else is not done as asked.
+    first sensor of each kind, by name; cameras: those in its tags, and camera_names: of their
+    <sensor>s; warnings: a line each; not_simulated: what is in its tags; other_drives: the part of
+    that which may drive the robot, where nothing else says how it is driven; findings: what else
+    is not done as asked.
     """
 
     source: str
@@ -53,18 +55,19 @@ class RobotSource(NamedTuple):
     not_simulated: Tuple[str, ...] = ()
     other_drives: Tuple[str, ...] = ()
     findings: Tuple[Finding, ...] = ()
+    camera_names: Tuple[str, ...] = ()
 
 
 class Assembly(NamedTuple):
     """A simulator, the scene of which copies can be drawn, and warnings, a line each.
 
-    cameras: those of each robot that its URDF describes; left_out: what PyBullet could not load of
-    the world.
+    sources: of each of its carriers, from what it was made; left_out: what PyBullet could not load
+    of the world.
     """
 
     simulator: Simulator
     scene: Scene
-    cameras: Tuple[Tuple[CameraSettings, ...], ...]
+    sources: Tuple[RobotSource, ...]
     warnings: Tuple[str, ...]
     left_out: Tuple[str, ...] = ()
 
@@ -103,7 +106,26 @@ def read_robot(urdf: Union[str, ElementTree.Element], step_s: float, find: FindF
         (*('{}: {}'.format(source, line)
            for line in _warnings(model, unused, of_tags, of_controllers)),
          *audit.warnings(source, findings)),
-        (*of_tags, *of_controllers), other_drives, findings)
+        (*of_tags, *of_controllers), other_drives, findings,
+        tuple(camera.sensor for camera in cameras))
+
+
+def _read_model(model: Model, step_s: float, kinds: Sequence[SensorKind]) -> RobotSource:
+    """Return the sensors of a model in a world, also those without a plugin.
+
+    Raises SimulationError when a value cannot be used.
+    """
+    tags = [tag for tag in model.tags if tag.link]
+    found = gazebo_tags.read(tags, step_s, [kind.read_tags for kind in kinds], with_bare=True)
+    cameras, of_cameras = camera_tags.read(tags, model.frames, with_bare=True)
+    not_simulated = tuple(dict.fromkeys((*found.not_simulated, *of_cameras)))
+    return RobotSource(
+        'model ' + model.name, model,
+        [each for each in sensors_of(kinds, found.sensors) if each.place is not None],
+        found.values, tuple(map(robot_camera.settings_of, cameras)),
+        tuple('not simulated, of model {}: {}'.format(model.name, part)
+              for part in not_simulated), not_simulated,
+        camera_names=tuple(camera.sensor for camera in cameras))
 
 
 def _warnings(model: Model, unused: Sequence[str], of_tags: Sequence[str],
@@ -171,11 +193,13 @@ def default_settings(robot: RobotSource) -> RobotSettings:
 def build(physics: PhysicsSettings, world: WorldFile,
           robots: Sequence[Tuple[RobotSource, RobotSettings]],
           unused_sensors: Sequence[str] = (),
-          option_name: Callable[[str], str] = str) -> Assembly:
+          option_name: Callable[[str], str] = str,
+          kinds: Sequence[SensorKind] = ()) -> Assembly:
     """Build a simulator of robots in a world.
 
     unused_sensors: kinds of sensors that are disabled. option_name: what the user types to give
-    the setting of that name, for warnings.
+    the setting of that name, for warnings. kinds: of the sensors that models of the world can
+    have.
     Raises SimulationError when PyBullet cannot load something or the settings do not fit.
     """
     physics_client_id = connect()
@@ -198,8 +222,33 @@ def build(physics: PhysicsSettings, world: WorldFile,
         warnings.append('{}: they overlap at the start, and the physics will throw them apart; '
                         'set {}'.format(overlap, ', '.join(
                             map(option_name, ('x_pos', 'y_pos', 'z_pos')))))
-    return Assembly(simulator, scene_of(simulator), tuple(robot.cameras for robot, _ in robots),
-                    tuple(warnings), problems.names)
+    carried, lines = _add_sensors(simulator, kinds)
+    return Assembly(simulator, scene_of(simulator),
+                    (*(robot for robot, _ in robots), *carried), (*warnings, *lines),
+                    problems.names)
+
+
+def _add_sensors(simulator: Simulator,
+                 kinds: Sequence[SensorKind]) -> Tuple[List[RobotSource], List[str]]:
+    """Add the sensors of the models in a world; return what has some, and warnings."""
+    world, found, warnings = simulator.world, [], []
+    for tree, body in zip(world.file.trees, world.bodies):
+        if not (kinds and tree.model.tags):
+            continue
+        try:
+            source = _read_model(tree.model, world.step_s, kinds)
+            settings = RobotSettings(noise=NoiseSettings().of(tree.name), sensors={
+                each.name: _settings_in_tag(source.source, each) for each in source.sensors})
+            carrier = Carrier(tree.model, settings, world, body, source.sensors)
+        except SimulationError as error:
+            warnings.append('model {}: its sensors are not simulated: {}'.format(
+                tree.name, one_line(error)))
+            continue
+        warnings += source.warnings
+        if source.sensors or source.cameras:
+            simulator.add_carrier(carrier)
+            found.append(source)
+    return found, warnings
 
 
 def add_robot(simulator: Simulator, robot: RobotSource, settings: RobotSettings,

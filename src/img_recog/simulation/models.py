@@ -70,7 +70,8 @@ class Models:
     """The models of a simulator: the floor, those of the world, the robots."""
 
     def __init__(self, simulator: Simulator):
-        self._world = world = simulator.world
+        self._simulator, self._world = simulator, simulator.world
+        world = simulator.world
         self._models: Dict[str, _Model] = {world.floor.name: _Model([world.floor])}
         self._floor = world.floor.name
         for model in _grouped(world.file.trees, world.bodies):
@@ -132,9 +133,7 @@ class Models:
         _check(state)
         model.place(origin @ _transform(state), origin.rotation @ state.linear,
                     origin.rotation @ state.angular)
-        if model.vehicle is not None:
-            model.vehicle.notify_teleported()
-        self._world.notify_moved(model.bodies)
+        self._simulator.notify_moved(model.bodies)
 
     def add(self, name: str, trees: Sequence[Tree], state: State, frame: str = WORLD,
             warn: Callable[[str], None] = lambda line: None) -> None:
@@ -169,7 +168,7 @@ class Models:
         model = self._model(name)
         if name == self._floor or model.vehicle is not None:
             raise SimulationError('model {} cannot be deleted'.format(name))
-        self._world.remove(model.bodies)
+        self._simulator.remove_bodies(model.bodies)
         del self._models[name]
 
     def _model(self, name: str) -> _Model:

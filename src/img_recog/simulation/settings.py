@@ -1,5 +1,6 @@
 """The settings of the simulator; defaults are those of turtlebot3_gazebo for the burger."""
 import math
+import zlib
 from dataclasses import dataclass, field
 from typing import Mapping, Optional, Tuple
 
@@ -14,6 +15,7 @@ REAL_TIME_FACTORS = Allowed('from 0.001 to 1000, or 0',
 VIEWS = ('above', 'follow')
 DEPTH_ENCODINGS = ('32FC1', '16UC1')
 _PINHOLE = 'pinhole'
+_MAX_SEED = 2 ** 31 - 1
 _MAX_PINHOLE_FOV = 3.0      # rad
 
 
@@ -110,7 +112,11 @@ def _names(text: str) -> Tuple[str, ...]:
 class NoiseSettings(Settings):
     """seed: of the random generators of all noise."""
 
-    seed: int = setting(0, between(0, 2 ** 31 - 1))
+    seed: int = setting(0, between(0, _MAX_SEED))
+
+    def of(self, name: str) -> 'NoiseSettings':
+        """Return settings whose noise is not that of other robots and models."""
+        return NoiseSettings((self.seed + zlib.crc32(name.encode())) % _MAX_SEED)
 
 
 @dataclass(frozen=True)

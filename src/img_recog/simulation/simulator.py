@@ -3,13 +3,14 @@ from typing import Any, Callable, Collection, List, Optional, Sequence
 
 import pybullet
 
+from img_recog.simulation.carrier import Carrier, Reading
 from img_recog.simulation.physics.body import Body
 from img_recog.simulation.physics.standing import MAX_DEPTH_M
 from img_recog.simulation.physics.world import World
 from img_recog.simulation.sensors import rays
 from img_recog.simulation.sensors.rays import RaySensor
 from img_recog.simulation.sensors.sensor import Sensor
-from img_recog.simulation.vehicle import Reading, Vehicle
+from img_recog.simulation.vehicle import Vehicle
 
 
 _STEEP = 0.7        # vertical part of the normal of a contact: 45 degrees
@@ -26,6 +27,7 @@ class Simulator:
 
     def __init__(self, world: World, vehicles: Sequence[Vehicle] = ()):
         self.world, self._vehicles = world, list(vehicles)
+        self._carriers: List[Carrier] = list(vehicles)
         self._steps = 0
         self.after_step: Optional[Callable[[], None]] = None
 
@@ -34,15 +36,38 @@ class Simulator:
         """The vehicles in the order in which they were added."""
         return self._vehicles
 
+    @property
+    def carriers(self) -> Sequence[Carrier]:
+        """The vehicles and the models with sensors."""
+        return self._carriers
+
     def add(self, vehicle: Vehicle) -> None:
         """Add a vehicle that was loaded into the world."""
         self._vehicles.append(vehicle)
+        self._carriers.append(vehicle)
         self.world.notify_changed()
+
+    def add_carrier(self, carrier: Carrier) -> None:
+        """Let the sensors of a model of the world be read."""
+        self._carriers.append(carrier)
 
     def remove(self, vehicle: Vehicle) -> None:
         """Remove a vehicle, also from the world."""
         self._vehicles.remove(vehicle)
+        self._carriers.remove(vehicle)
         self.world.unload(vehicle.robot)
+
+    def remove_bodies(self, bodies: Sequence[Body]) -> None:
+        """Remove bodies of the world, with their sensors."""
+        self._carriers = [each for each in self._carriers if each.robot not in bodies]
+        self.world.remove(bodies)
+
+    def notify_moved(self, bodies: Sequence[Body]) -> None:
+        """Call after bodies were moved from outside."""
+        for carrier in self._carriers:
+            if carrier.robot in bodies:
+                carrier.notify_teleported()
+        self.world.notify_moved(bodies)
 
     @property
     def steps(self) -> int:
@@ -56,7 +81,7 @@ class Simulator:
 
     def next_reading(self, kinds: Collection[str]) -> Optional[int]:
         """Return the next step at which a sensor of some kinds is read; None if there is none."""
-        found = (vehicle.next_reading(self._steps, kinds) for vehicle in self.vehicles)
+        found = (carrier.next_reading(self._steps, kinds) for carrier in self._carriers)
         return min((step for step in found if step is not None), default=None)
 
     def advance(self, steps: int) -> List[Reading]:
@@ -64,9 +89,9 @@ class Simulator:
         readings: List[Reading] = []
         end = self._steps + steps
         while self._steps < end:
-            for vehicle in self.vehicles:
-                vehicle.before_step(self._steps)
-            stop = min((vehicle.next_event(self._steps) for vehicle in self.vehicles),
+            for carrier in self._carriers:
+                carrier.before_step(self._steps)
+            stop = min((carrier.next_event(self._steps) for carrier in self._carriers),
                        default=end)
             stop = min(stop, end)
             while self.after_step is not None and self._steps < stop:
@@ -80,8 +105,8 @@ class Simulator:
 
     def _read_sensors(self) -> List[Reading]:
         """Return the readings of the sensors that are due now."""
-        due = [(vehicle.robot.name, scheduled) for vehicle in self.vehicles
-               for scheduled in vehicle.due_sensors(self._steps)]
+        due = [(carrier.robot.name, scheduled) for carrier in self._carriers
+               for scheduled in carrier.due_sensors(self._steps)]
         values = _read_together([scheduled.sensor for _, scheduled in due])
         return [Reading(robot, scheduled.name, scheduled.kind, self.time_s, value)
                 for (robot, scheduled), value in zip(due, values)]
@@ -130,8 +155,8 @@ class Simulator:
     def reset_world(self) -> None:
         """Move everything back to its start, at rest and without a command; time goes on."""
         self.world.reset()
-        for vehicle in self.vehicles:
-            vehicle.reset()
+        for carrier in self._carriers:
+            carrier.reset()
 
     def reset_simulation(self) -> None:
         """Do what `reset_world` does, and set the time to 0."""

@@ -1,47 +1,25 @@
 """A robot with its drive and its sensors."""
 import dataclasses
-from typing import (Any, Callable, Collection, Dict, List, NamedTuple, Optional, Sequence, Set,
-                    Tuple, cast)
-
-import numpy as np
+from typing import Sequence, Tuple, cast
 
 from img_recog import rotations
 from img_recog.model import Model
-from img_recog.settings import nearest_period
+from img_recog.simulation.carrier import Carrier
 from img_recog.simulation.physics import standing
 from img_recog.simulation.physics.body import Pose
 from img_recog.simulation.physics.drives import make_drive
 from img_recog.simulation.physics.robot import SimulatedRobot
 from img_recog.simulation.physics.world import World
 from img_recog.simulation.sensors.odometry import WORLD, OdometrySettings
-from img_recog.simulation.sensors.robot_camera import RobotCamera
-from img_recog.simulation.sensors.sensor import Mount, RobotSensor, ScheduledSensor
-from img_recog.simulation.settings import CameraSettings, RobotSettings, SpawnSettings, whole_steps
-
-CAMERA = 'image'        # the kind of sensor that is no row of the table of sensors
+from img_recog.simulation.sensors.sensor import RobotSensor
+from img_recog.simulation.settings import RobotSettings, SpawnSettings, whole_steps
 
 
-class Reading(NamedTuple):
-    """What a sensor measured.
-
-    robot, sensor: their names; kind: of the sensor; time_s: simulated time; value: of the type
-    that the sensor's `read` returns.
-    """
-
-    robot: str
-    sensor: str
-    kind: str
-    time_s: float
-    value: Any
-
-
-class Vehicle:
+class Vehicle(Carrier):
     """Drives one robot and reads its sensors; the simulator advances the physics.
 
-    robot: the body; drive: what moves it; model: what it was made with; settings:
-    those of all sensors, in which an empty frame is the root link; sensors: all but cameras;
-    missing_sensors: those that were left out, and the links for them that the robot does not have;
-    lift: how far it was moved upward, onto what it was in, when it was last put somewhere.
+    drive: what moves it; lift: how far it was moved upward, onto what it was in, when it was last
+    put somewhere.
     """
 
     def __init__(self, model: Model, settings: RobotSettings, world: World,
@@ -51,80 +29,16 @@ class Vehicle:
         Raises SimulationError when a setting does not fit the robot or the physics; nothing is
         left in the world then.
         """
-        self.model, self.sensors, self._world = model, sensors, world
-        self.settings = dataclasses.replace(settings, sensors={
-            each.name: _with_root(settings.sensors.get(each.name) or each.kind.settings(),
-                                  model.root) for each in sensors})
         self.drive = make_drive(settings.drive)
-        self.robot = SimulatedRobot(model, self.drive.motors, settings.spawn,
-                                    world.physics_client_id)
+        robot = SimulatedRobot(model, self.drive.motors, settings.spawn, world.physics_client_id)
+        super().__init__(model, settings, world, robot, sensors, self.drive)
+        self.robot: SimulatedRobot = robot
         self._lift()
         self._drive_steps = whole_steps('drive_period_s', settings.drive.drive_period_s,
                                         world.step_s)
-        self._sensors: Dict[str, ScheduledSensor] = {}
-        self.missing_sensors: Dict[str, str] = {}
-        for each in sensors:
-            self._mount(each, self.settings.sensors[each.name])
-        self._enabled = list(self._sensors.values())
-        self._steps: Optional[int] = None       # the last ones that it was told of
 
     def _lift(self) -> None:
         self.lift = standing.lift(self.robot, self._world.floor, self._world.bodies)
-
-    def _mount(self, sensor: RobotSensor, settings: Any) -> None:
-        """Add a sensor, but not when only its tag or the default names a link that is missing."""
-        kind, place = sensor.kind, sensor.place
-        link = place.link if place else kind.frame(settings)
-        if link and not self.robot.has_frame(link) and (
-                place or link == kind.frame(kind.settings())):
-            self.missing_sensors[sensor.name] = link
-            return
-        mount = ''
-        if place:
-            mount = 'sensor ' + sensor.name
-            self.robot.add_mount(mount, *place)
-        period = kind.name + '_period_s'
-        # a generator each: the noise of one sensor does not depend on whether another is read
-        noise = np.random.RandomState((self.settings.noise.seed, kind.noise_number)
-                                      + (sensor.number,) * bool(sensor.number))
-        self._sensors[sensor.name] = ScheduledSensor(
-            sensor.name, kind.name,
-            whole_steps(period, getattr(settings, period), self._world.step_s),
-            kind.make(Mount(self.robot, self._world, noise, self.drive, mount, link), settings))
-
-    def mount_camera(self, settings: CameraSettings, poses: Callable[[], np.ndarray]) -> str:
-        """Add a camera, which is disabled; return the name of the sensor.
-
-        poses: returns the poses (n, 7) of all parts of the scene.
-        Raises SimulationError when the robot has no link for it.
-        """
-        name = 'camera_{}'.format(sum(isinstance(each.sensor, RobotCamera)
-                                      for each in self._sensors.values()))
-        camera = RobotCamera(self.robot, settings, poses)
-        period_s = nearest_period(settings.camera_rate, self._world.step_s)
-        self._sensors[name] = ScheduledSensor(
-            name, CAMERA, whole_steps('camera_rate', period_s, self._world.step_s), camera)
-        self._sensors[name].enabled = False
-        return name
-
-    def set_sensor_enabled(self, sensor: str, enabled: bool) -> None:
-        """Enable or disable a sensor; does nothing when the robot does not have it.
-
-        Sensors do not influence how the robot moves. The noise of a reading is the same whether
-        the sensor was enabled before or not.
-        """
-        scheduled = self._sensors.get(sensor)
-        if scheduled is None or scheduled.enabled == enabled:
-            return
-        scheduled.enabled = enabled
-        if enabled:
-            scheduled.sensor.restart()
-        if self._steps is not None:
-            if enabled:
-                scheduled.skip_until(self._steps)
-            else:
-                scheduled.skipped_from = self._steps
-        self._enabled = [each for each in self._sensors.values() if each.enabled]
 
     def command(self, linear_x: float, angular_z: float, linear_y: float = 0.0) -> None:
         """Drive at linear_x m/s and angular_z rad/s until the next command.
@@ -146,55 +60,15 @@ class Vehicle:
         spawn = self.settings.spawn
         return spawn.x_pos, spawn.y_pos, spawn.yaw
 
-    def before_step(self, steps: int) -> None:
-        """Let the drive move the robot if it is due after `steps` steps of the physics."""
-        if self._steps is None or steps < self._steps:
-            self._begin(steps)
-        if steps % self._drive_steps == 0:
-            self.drive.update(self.robot)
-
-    def _begin(self, steps: int) -> None:
-        """Count the readings that are not made from a step on: the first, or after a reset."""
-        for scheduled in self._sensors.values():
-            if self._steps is not None and not scheduled.enabled:
-                scheduled.skip_until(self._steps)
-            scheduled.skipped_from = steps
-        self._steps = steps
-
-    def due_sensors(self, steps: int) -> List[ScheduledSensor]:
-        """Return the sensors that are to be read after `steps` steps."""
-        self._steps = steps
-        return [scheduled for scheduled in self._enabled if steps % scheduled.period_steps == 0]
-
-    def next_event(self, steps: int) -> int:
-        """Return the first step after `steps` at which the drive or a sensor is due."""
-        wait = self._drive_steps - steps % self._drive_steps
-        for scheduled in self._enabled:
-            remaining = scheduled.period_steps - steps % scheduled.period_steps
-            if remaining < wait:
-                wait = remaining
-        return steps + wait
-
-    @property
-    def sensor_kinds(self) -> Set[str]:
-        """The kinds of sensors that the robot has, also of those that are disabled."""
-        return {each.kind for each in self._sensors.values()}
-
-    def next_reading(self, steps: int, kinds: Collection[str]) -> Optional[int]:
-        """Return the first step after `steps` at which a sensor of some kinds is read.
-
-        None if there is no such sensor.
-        """
-        return min((steps + each.period_steps - steps % each.period_steps
-                    for each in self._enabled if each.kind in kinds), default=None)
+    def _act(self) -> None:
+        self.drive.update(self.robot)
 
     def reset(self) -> None:
         """Move the robot back to its start, at rest and without a command."""
         self.drive.reset()
         self.robot.reset()
         self._lift()
-        for scheduled in self._sensors.values():
-            scheduled.sensor.restart()
+        super().reset()
 
     def set_start(self, spawn: SpawnSettings) -> None:
         """Start from another pose, also after a reset; moves the robot there."""
@@ -217,12 +91,4 @@ class Vehicle:
         """Call after the robot was moved from outside; it is lifted onto what it is in."""
         self._lift()
         self.drive.notify_stopped()
-        for scheduled in self._sensors.values():
-            scheduled.sensor.notify_teleported()
-
-
-def _with_root(settings: Any, root: str) -> Any:
-    """Return the settings of a sensor with the root link for each empty frame."""
-    return dataclasses.replace(settings, **{
-        field.name: root for field in dataclasses.fields(settings)
-        if field.name.endswith('_frame') and not getattr(settings, field.name)})
+        super().notify_teleported()

@@ -30,6 +30,9 @@ DEPTH = '''<gazebo reference="camera_rgb_frame"><sensor type="depth" name="reals
 PLAIN = '''<gazebo reference="front"><sensor type="camera" name="c">{}
 <plugin name="p" filename="libgazebo_ros_camera.so">{}</plugin></sensor></gazebo>'''
 
+OF_SDF = {'camera_width': 320, 'camera_height': 240, 'camera_horizontal_fov': 1.047,
+          'camera_near': 0.1, 'camera_far': 100.0}       # its defaults
+
 
 def robot(*inside):
     return ('<robot name="r"><link name="front"/><link name="camera_rgb_frame"/>{}</robot>'
@@ -60,7 +63,7 @@ def test_what_is_not_given_is_that_of_the_plugin():
     camera, = read(PLAIN.format('', ''))
     assert camera == CameraSettings(
         camera_frame='front', camera_optical_frame='camera_rgb_optical_frame',
-        camera_image_topic='image_raw', camera_info_topic='camera_info')
+        camera_image_topic='image_raw', camera_info_topic='camera_info', **OF_SDF)
     depth, = read(PLAIN.replace('type="camera"', 'type="depth"').replace(
         'libgazebo_ros_camera', 'libgazebo_ros_openni_kinect').format(
             '', '<cameraName>eye</cameraName>'))

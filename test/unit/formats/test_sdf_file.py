@@ -212,11 +212,11 @@ def test_too_many_included_models(folder):
 def test_what_included_files_ask_for_is_found_too(folder):
     plugin = '<plugin name="p" filename="lib{}.so"/>'
     model(folder / 'models' / 'table' / 'model.sdf', 'table', LINK.replace(
-        '</link>', '<sensor name="eye" type="camera"/></link>') + plugin.format('b'))
+        '</link>', '<battery name="eye"/></link>') + plugin.format('b'))
     problems = Problems()
     read(folder, include('model://table'), found=problems)
     assert [each.text() for each in problems.findings] == [
-        'sensor eye of model table link l', 'plugin libb.so of model table']
+        '<battery> of model table link l', 'plugin libb.so of model table']
 
 
 def test_of_two_models_of_one_name_the_first_stays(folder):

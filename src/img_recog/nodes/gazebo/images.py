@@ -16,6 +16,7 @@ from img_recog.nodes.gazebo.names import Names
 from img_recog.nodes.gazebo.static_transforms import StaticTransforms
 from img_recog.nodes.gazebo.view import ViewTopic
 from img_recog.rendering.server import Picture, Shot
+from img_recog.simulation.carrier import Reading
 from img_recog.simulation.pictures import visual_scene
 from img_recog.simulation.pictures.scene import poses_of, scene_of
 from img_recog.simulation.pictures.view import above
@@ -24,7 +25,7 @@ from img_recog.simulation.pictures.window import Window
 from img_recog.simulation.sensors import robot_camera
 from img_recog.simulation.settings import CameraSettings, ViewSettings
 from img_recog.simulation.simulator import Simulator
-from img_recog.simulation.vehicle import Reading, Vehicle
+from img_recog.simulation.vehicle import Vehicle
 
 # Where OpenGL runs on the processor, the physics comes first; in lockstep, it waits.
 _NICENESS = 5

@@ -1,6 +1,5 @@
 """Reads what robots are made from: their URDF and their parameters."""
 import dataclasses
-import zlib
 from dataclasses import dataclass
 from functools import partial
 from typing import Any, List, NamedTuple, Sequence, Tuple
@@ -22,7 +21,6 @@ from img_recog.simulation.settings import (CameraSettings, DriveSettings, NoiseS
                                            RobotSettings, SpawnSettings)
 
 ROBOTS = '~robots'
-_MAX_SEED = 2 ** 31 - 1
 _MAX_NAME = 100         # characters
 _NO_NAMESPACE = ''
 
@@ -189,9 +187,7 @@ def robot_settings_classes() -> Sequence[type]:
 
 
 def _with_seed(settings: RobotSettings, name: str) -> RobotSettings:
-    """Return settings whose noise is not that of the other robots."""
-    seed = (settings.noise.seed + zlib.crc32(name.encode())) % _MAX_SEED
-    return dataclasses.replace(settings, noise=NoiseSettings(seed))
+    return dataclasses.replace(settings, noise=settings.noise.of(name))
 
 
 def _natural(name: str) -> Tuple[str, int, str]:

@@ -16,9 +16,10 @@ from img_recog.nodes.gazebo.physics_services import ServiceCalls
 from img_recog.ros.log.throttle import Throttle, ThrottledWarning
 from img_recog.ros.queues import LatestValue
 from img_recog.ros.transport.direct_publisher import DirectPublisher
+from img_recog.simulation.carrier import Reading
 from img_recog.simulation.sensors.motion_state import MotionState
 from img_recog.simulation.sensors.sensor import SensorKind
-from img_recog.simulation.vehicle import Reading, Vehicle
+from img_recog.simulation.vehicle import Vehicle
 
 _LOG_PERIOD_S = 0.1             # minimum between two lines about the motion
 _WORLD_FRAMES = ('', 'world')

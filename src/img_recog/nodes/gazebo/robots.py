@@ -20,9 +20,10 @@ from img_recog.nodes.gazebo.robot_topics import RobotTopics, Transforms
 from img_recog.nodes.gazebo.static_transforms import StaticTransforms
 from img_recog.ros.diagnostics import NodeDiagnostics
 from img_recog.simulation import assembly
+from img_recog.simulation.carrier import Reading
 from img_recog.simulation.models import Models
 from img_recog.simulation.simulator import Simulator
-from img_recog.simulation.vehicle import Reading, Vehicle
+from img_recog.simulation.vehicle import Vehicle
 
 WORLD_FRAME = 'world'
 

@@ -1,16 +1,14 @@
-"""A robot in a world: its frames, its joints and the motors of its wheels."""
-from typing import Dict, NamedTuple, Optional, Sequence, Tuple
+"""A robot in a world: its joints and the motors of its wheels."""
+from typing import NamedTuple, Sequence, Tuple
 
 import pybullet
 
 from img_recog import rotations
 from img_recog.errors import SimulationError
-from img_recog.model import FLOOR_FRICTION, Frame, Model
-from img_recog.rotations import Quaternion, Transform
+from img_recog.model import FLOOR_FRICTION, Model
 from img_recog.simulation.physics import build, tyres
-from img_recog.simulation.physics.body import (Body, FrameState, Motion, Pose, Vector,
-                                               motion_of_frame)
-from img_recog.simulation.physics.client import link_indices
+from img_recog.simulation.physics.body import Pose
+from img_recog.simulation.physics.framed_body import FramedBody
 from img_recog.simulation.settings import SpawnSettings
 
 # rad/s. At its default of 100, which the command of 10 m/s exceeds, PyBullet cuts the speed of the
@@ -43,7 +41,7 @@ class Motors(NamedTuple):
     slides: bool = False
 
 
-class SimulatedRobot(Body):
+class SimulatedRobot(FramedBody):
     """The body of a model, with motors.
 
     spawn: where `reset` moves it.
@@ -56,16 +54,12 @@ class SimulatedRobot(Body):
         Raises SimulationError when PyBullet cannot load it or a wheel joint is missing.
         """
         shod = tyres.added(model, [name for _, name in motors.joints], motors.slip_radius)
-        super().__init__(build.load(shod, physics_client_id, exact_hulls=True), physics_client_id)
+        super().__init__(build.load(shod, physics_client_id, exact_hulls=True), physics_client_id,
+                         model)
         self._tyres = [self.joints.pop(name) for name in tuple(self.joints)
                        if name.endswith(tyres.SUFFIX)]
         self.name = model.name
         self.spawn = spawn
-        self._frames = model.frames
-        self._mounts: Dict[str, Frame] = {}
-        self._surfaces = model.surfaces
-        self._link_indices = link_indices(self.body_id, physics_client_id)
-        self._carriers: Dict[str, Tuple[int, Tuple[Vector, Quaternion]]] = {}
         self._wheels = tuple(self._wheel_index(*joint, left_out=model.left_out)
                              for joint in motors.joints)
         # gazebo_plugins' diff_drive publishes the right wheel before the left one
@@ -112,55 +106,6 @@ class SimulatedRobot(Body):
         pybullet.setJointMotorControlArray(
             self.body_id, self._wheels, pybullet.VELOCITY_CONTROL, targetVelocities=velocities,
             forces=self._torques, physicsClientId=self.physics_client_id)
-
-    def motion(self, frame: Optional[str] = None) -> Motion:
-        """Return the motion of a link of the description, by default of the root link.
-
-        Raises SimulationError when there is no such link.
-        """
-        return motion_of_frame(*self.frame_state(frame or self.root))
-
-    def frame_state(self, frame: str) -> FrameState:
-        """Return the state of a link of the description; errors as for `motion`."""
-        return self.part_state(*self._carrier(frame))
-
-    def add_mount(self, frame: str, link: str, pose: Transform) -> None:
-        """Add a frame with a constant pose in a link of the model.
-
-        frame: a name that no link has. Its motion can be read like that of a link.
-        """
-        carrier = self._frames[link]
-        self._mounts[frame] = Frame(carrier.link, carrier.pose @ pose)
-
-    def surfaces(self, link: str) -> Dict[int, str]:
-        """Return PyBullet's index and the name of each part with the shapes of a link.
-
-        link: one with a contact sensor.
-        """
-        return {self._link_indices[name]: name for name in self._surfaces.get(link, ())}
-
-    def has_frame(self, frame: str) -> bool:
-        """Return whether the description has this link."""
-        return frame in self._frames
-
-    def check_frame(self, setting: str, frame: str) -> None:
-        """Raise SimulationError, naming the setting, when its value `frame` is not a link."""
-        try:
-            self._carrier(frame)
-        except SimulationError as error:
-            raise SimulationError('{}: {}'.format(setting, error.problem), error.advice)
-
-    def _carrier(self, frame: str) -> Tuple[int, Tuple[Vector, Quaternion]]:
-        """Return the PyBullet link that a frame is fixed to, and the frame's pose by `in_part`."""
-        if frame not in self._carriers:
-            found = self._frames.get(frame) or self._mounts.get(frame)
-            if found is None:
-                raise SimulationError('the robot has no link {} (links: {})'.format(
-                    frame, ', '.join(sorted(self._frames))))
-            name, pose = found
-            link = self._link_indices[name]
-            self._carriers[frame] = link, self.in_part(link, pose)
-        return self._carriers[frame]
 
     def joint_states(self) -> JointStates:
         """Return the states of all movable joints.

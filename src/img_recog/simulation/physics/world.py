@@ -9,6 +9,7 @@ from img_recog.formats.world_file import WorldFile
 from img_recog.model import FLOOR_FRICTION, Model, Tree
 from img_recog.simulation.physics import build, crowding, loops, standing
 from img_recog.simulation.physics.body import Body, Pose
+from img_recog.simulation.physics.framed_body import FramedBody
 from img_recog.simulation.physics.client import all_or_nothing, link_indices
 from img_recog.simulation.physics.solids import Solids
 from img_recog.simulation.settings import PhysicsSettings
@@ -38,7 +39,7 @@ class World:
         self.physics_client_id, self.step_s = physics_client_id, settings.step_s
         self.solids = Solids(physics_client_id)
         self.file, self.revision = file._replace(trees=()), 0
-        self.bodies: List[Body] = []
+        self.bodies: List[FramedBody] = []
         self.lifted: Dict[str, float] = {}
         pybullet.setTimeStep(settings.step_s, physicsClientId=physics_client_id)
         pybullet.setGravity(*file.gravity, physicsClientId=physics_client_id)
@@ -146,20 +147,21 @@ def add_floor(physics_client_id: int, visible: bool = False) -> int:
 
 
 def load_bodies(trees: Sequence[Tree], physics_client_id: int, visuals: bool = False,
-                problems: Optional[Problems] = None) -> List[Tuple[Tree, Body]]:
+                problems: Optional[Problems] = None) -> List[Tuple[Tree, FramedBody]]:
     """Load trees like `build.load`; return those that were loaded, with their bodies.
 
     problems: to which is added what cannot be loaded; without, that is a SimulationError, and none
     is loaded.
     """
-    loaded: List[Tuple[Tree, Body]] = []
+    loaded: List[Tuple[Tree, FramedBody]] = []
     is_first = True         # whether the model of the next tree has none yet
     with all_or_nothing(physics_client_id):
         for tree in trees:
             is_first |= tree.first
             try:
-                body = Body(build.load(tree.model, physics_client_id, tree.fixed, tree.pose,
-                                       visuals, problems), physics_client_id, tree.fixed)
+                body = FramedBody(
+                    build.load(tree.model, physics_client_id, tree.fixed, tree.pose, visuals,
+                               problems), physics_client_id, tree.model, tree.fixed)
             except SimulationError as error:
                 refused = SimulationError('model {}: {}'.format(
                     shortened(tree.name), error.problem), error.advice)

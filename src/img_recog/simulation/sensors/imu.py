@@ -30,7 +30,7 @@ TAGS = Tags(('gazebo_ros_imu',), (
     Row('imu_period_s', RATE, 'plugin', 'updateRate', 'updateRateHZ'),
     Row('gyro_noise', NUMBER, 'plugin', 'imu/noise/rate/stddev'),
     Row('accel_noise', NUMBER, 'plugin', 'imu/noise/accel/stddev')),
-    sensors=('imu',), frame='imu_frame')
+    sensors=('imu',), frame='imu_frame', bare={'gyro_noise': 0.0, 'accel_noise': 0.0})
 
 
 @dataclass(frozen=True)

@@ -1,9 +1,10 @@
 """The joints of a robot as a sensor measures them."""
 from dataclasses import dataclass
+from typing import cast
 
 from img_recog.formats.gazebo_tags import RATE, Row, Tags
 from img_recog.settings import Settings, above, setting
-from img_recog.simulation.physics.robot import JointStates
+from img_recog.simulation.physics.robot import JointStates, SimulatedRobot
 from img_recog.simulation.sensors.sensor import Mount, Sensor
 
 # a drive can have them too
@@ -22,7 +23,7 @@ class JointStateSensor(Sensor):
     """Measures all movable joints."""
 
     def __init__(self, mount: Mount, _: JointStateSettings):
-        self._robot = mount.robot
+        self._robot = cast(SimulatedRobot, mount.robot)
 
     def read(self) -> JointStates:
         """Return the states of the joints."""

@@ -30,7 +30,7 @@ TAGS = Tags(('gazebo_ros_laser', 'gazebo_ros_gpu_laser'), (
     Row('scan_frame', NAME, 'plugin', 'frameName'),
     Row('scan_topic', TOPIC, 'plugin', 'topicName')),
     sensors=('ray', 'gpu_ray'), frame='scan_frame', needs_sensor=True,
-    defaults={'laser': {'scan_noise': 0.0}}, not_simulated=_other_rows)
+    defaults={'laser': {'scan_noise': 0.0}}, bare={'scan_noise': 0.0}, not_simulated=_other_rows)
 
 
 @dataclass(frozen=True)

@@ -1,6 +1,7 @@
 """Odometry: the pose of a robot, from the world or from the encoders of its drive."""
 import math
 from dataclasses import dataclass
+from typing import cast
 
 import numpy as np
 
@@ -8,6 +9,8 @@ from img_recog import rotations
 from img_recog.formats.gazebo_tags import Tags
 from img_recog.settings import Settings, above, any_value, not_empty, one_of, setting
 from img_recog.simulation.physics.body import Motion
+from img_recog.simulation.physics.drive import Drive
+from img_recog.simulation.physics.robot import SimulatedRobot
 from img_recog.simulation.sensors.sensor import Mount, Sensor
 
 WORLD, ENCODER = 'world', 'encoder'
@@ -54,7 +57,8 @@ class EncoderOdometry(Sensor):
     """
 
     def __init__(self, mount: Mount, settings: OdometrySettings):
-        self._robot, self._drive = mount.robot, mount.drive
+        self._robot = cast(SimulatedRobot, mount.robot)
+        self._drive = cast(Drive, mount.drive)
         self._period_s = settings.odometry_period_s
         self.restart()
 

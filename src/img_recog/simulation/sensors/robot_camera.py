@@ -9,7 +9,7 @@ from img_recog.errors import SimulationError
 from img_recog.formats.camera_tags import Camera
 from img_recog.rotations import Transform, transform
 from img_recog.settings import SettingError, from_mapping
-from img_recog.simulation.physics.robot import SimulatedRobot
+from img_recog.simulation.physics.framed_body import FramedBody
 from img_recog.simulation.sensors.sensor import Sensor
 from img_recog.simulation.settings import CameraSettings
 
@@ -41,7 +41,7 @@ class RobotCamera(Sensor):
     settings: what it was made with.
     """
 
-    def __init__(self, robot: SimulatedRobot, settings: CameraSettings,
+    def __init__(self, robot: FramedBody, settings: CameraSettings,
                  poses: Callable[[], np.ndarray]):
         """Mount the camera on a link of `robot`; SimulationError when there is no such link.
 
@@ -67,7 +67,7 @@ def optical_frame(settings: CameraSettings) -> Transform:
     return _in_link(settings) @ transform((0, 0, 0), (-math.pi / 2, 0, -math.pi / 2))
 
 
-def warning_about_frame(robot: SimulatedRobot, settings: CameraSettings) -> str:
+def warning_about_frame(robot: FramedBody, settings: CameraSettings) -> str:
     """Return a line if a link that is the frame of the images is not turned like them, else ''."""
     link = settings.camera_optical_frame
     if not robot.has_frame(link):

@@ -7,7 +7,7 @@ import numpy as np
 from img_recog.formats.gazebo_tags import SensorTag, Tags, Values
 from img_recog.model import Frame
 from img_recog.simulation.physics.drive import Drive
-from img_recog.simulation.physics.robot import SimulatedRobot
+from img_recog.simulation.physics.framed_body import FramedBody
 from img_recog.simulation.physics.world import World
 
 
@@ -32,15 +32,15 @@ class Mount(NamedTuple):
     """What a sensor is made for.
 
     robot: its links carry the sensor; noise: the random generator of this sensor alone; drive:
-    of the robot. place: a frame of the robot, where the <gazebo> tag of the sensor puts it, and
-    link: the one of the robot that it names; '' if it has none: then the sensor is on the
-    link that its settings name.
+    of the robot, None for a model without one. place: a frame of the robot, where the tag of the
+    sensor puts it, and link: the one of the robot that it names; '' if it has none: then the
+    sensor is on the link that its settings name.
     """
 
-    robot: SimulatedRobot
+    robot: FramedBody
     world: World
     noise: np.random.RandomState
-    drive: Drive
+    drive: Optional[Drive]
     place: str = ''
     link: str = ''
 
@@ -101,7 +101,7 @@ class RobotSensor(NamedTuple):
 
     name: of its readings: for the first of a kind, that of the kind. number: among those of its
     kind, from 0. values: the settings in its tag, by name. place: where its tag puts it; None if
-    it has none.
+    it has none. label, type, is_bare: see SensorTag.
     """
 
     name: str
@@ -109,6 +109,9 @@ class RobotSensor(NamedTuple):
     number: int = 0
     values: Values = {}
     place: Optional[Frame] = None
+    label: str = ''
+    type: str = ''
+    is_bare: bool = False
 
     @property
     def reads_parameters(self) -> bool:
@@ -125,7 +128,7 @@ def sensors_of(kinds: Sequence[SensorKind], tags: Sequence[SensorTag] = ()) -> L
             found.append(RobotSensor(kind.name, kind))
         for number, tag in enumerate(own):
             name = '{}_{}'.format(kind.name, number + 1) if number else kind.name
-            found.append(RobotSensor(name, kind, number, tag.values, tag.place))
+            found.append(RobotSensor(name, kind, number, *tag[1:]))
     return found
 
 

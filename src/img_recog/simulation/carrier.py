@@ -1,0 +1,179 @@
+"""A body with sensors that are read once in a period each."""
+import dataclasses
+import sys
+from typing import Any, Callable, Collection, Dict, List, NamedTuple, Optional, Sequence, Set
+
+import numpy as np
+
+from img_recog.model import Model
+from img_recog.settings import nearest_period
+from img_recog.simulation.physics.drive import Drive
+from img_recog.simulation.physics.framed_body import FramedBody
+from img_recog.simulation.physics.world import World
+from img_recog.simulation.sensors.rays import RaySensor
+from img_recog.simulation.sensors.robot_camera import RobotCamera
+from img_recog.simulation.sensors.sensor import Mount, RobotSensor, ScheduledSensor
+from img_recog.simulation.settings import CameraSettings, RobotSettings, whole_steps
+
+CAMERA = 'image'        # the kind of sensor that is no row of the table of sensors
+_NEVER = sys.maxsize
+
+
+class Reading(NamedTuple):
+    """What a sensor measured.
+
+    robot, sensor: their names; kind: of the sensor; time_s: simulated time; value: of the type
+    that the sensor's `read` returns.
+    """
+
+    robot: str
+    sensor: str
+    kind: str
+    time_s: float
+    value: Any
+
+
+class Carrier:
+    """A model with sensors: one that stands in the world, or as a Vehicle, a robot that drives.
+
+    robot: the body; model: what it was made with; settings: those of all sensors, in which an
+    empty frame is the root link; sensors: all but cameras; missing_sensors: those that were left
+    out, and the links for them that the robot does not have.
+    """
+
+    def __init__(self, model: Model, settings: RobotSettings, world: World, robot: FramedBody,
+                 sensors: Sequence[RobotSensor] = (), drive: Optional[Drive] = None):
+        """Mount the sensors; SimulationError when a setting does not fit."""
+        self.model, self.sensors, self.robot, self._world = model, sensors, robot, world
+        self.settings = dataclasses.replace(settings, sensors={
+            each.name: _with_root(settings.sensors.get(each.name) or each.kind.settings(),
+                                  model.root) for each in sensors})
+        self._drive_steps = _NEVER
+        self._sensors: Dict[str, ScheduledSensor] = {}
+        self.missing_sensors: Dict[str, str] = {}
+        for each in sensors:
+            self._mount(each, self.settings.sensors[each.name], drive)
+        self._enabled = list(self._sensors.values())
+        self._steps: Optional[int] = None       # the last ones that it was told of
+
+    def _mount(self, sensor: RobotSensor, settings: Any, drive: Optional[Drive]) -> None:
+        """Add a sensor, but not when only its tag or the default names a link that is missing."""
+        kind, place = sensor.kind, sensor.place
+        link = place.link if place else kind.frame(settings)
+        if link and not self.robot.has_frame(link) and (
+                place or link == kind.frame(kind.settings())):
+            self.missing_sensors[sensor.name] = link
+            return
+        mount = ''
+        if place:
+            mount = 'sensor ' + sensor.name
+            self.robot.add_mount(mount, *place)
+        period = kind.name + '_period_s'
+        # a generator each: the noise of one sensor does not depend on whether another is read
+        noise = np.random.RandomState((self.settings.noise.seed, kind.noise_number)
+                                      + (sensor.number,) * bool(sensor.number))
+        self._sensors[sensor.name] = ScheduledSensor(
+            sensor.name, kind.name,
+            whole_steps(period, getattr(settings, period), self._world.step_s),
+            kind.make(Mount(self.robot, self._world, noise, drive, mount, link), settings))
+
+    def mount_camera(self, settings: CameraSettings, poses: Callable[[], np.ndarray]) -> str:
+        """Add a camera, which is disabled; return the name of the sensor.
+
+        poses: returns the poses (n, 7) of all parts of the scene.
+        Raises SimulationError when the robot has no link for it.
+        """
+        name = 'camera_{}'.format(sum(isinstance(each.sensor, RobotCamera)
+                                      for each in self._sensors.values()))
+        camera = RobotCamera(self.robot, settings, poses)
+        period_s = nearest_period(settings.camera_rate, self._world.step_s)
+        self._sensors[name] = ScheduledSensor(
+            name, CAMERA, whole_steps('camera_rate', period_s, self._world.step_s), camera)
+        self._sensors[name].enabled = False
+        return name
+
+    def set_sensor_enabled(self, sensor: str, enabled: bool) -> None:
+        """Enable or disable a sensor; does nothing when the robot does not have it.
+
+        Sensors do not influence how the robot moves. The noise of a reading is the same whether
+        the sensor was enabled before or not.
+        """
+        scheduled = self._sensors.get(sensor)
+        if scheduled is None or scheduled.enabled == enabled:
+            return
+        scheduled.enabled = enabled
+        if enabled:
+            scheduled.sensor.restart()
+        if self._steps is not None:
+            if enabled:
+                scheduled.skip_until(self._steps)
+            else:
+                scheduled.skipped_from = self._steps
+        self._enabled = [each for each in self._sensors.values() if each.enabled]
+
+    def before_step(self, steps: int) -> None:
+        """Do what is due after `steps` steps of the physics, before the next one."""
+        if self._steps is None or steps < self._steps:
+            self._begin(steps)
+        if steps % self._drive_steps == 0:
+            self._act()
+
+    def _act(self) -> None:
+        """Do what is done each `_drive_steps` steps."""
+
+    def _begin(self, steps: int) -> None:
+        """Count the readings that are not made from a step on: the first, or after a reset."""
+        for scheduled in self._sensors.values():
+            if self._steps is not None and not scheduled.enabled:
+                scheduled.skip_until(self._steps)
+            scheduled.skipped_from = steps
+        self._steps = steps
+
+    def due_sensors(self, steps: int) -> List[ScheduledSensor]:
+        """Return the sensors that are to be read after `steps` steps."""
+        self._steps = steps
+        return [scheduled for scheduled in self._enabled if steps % scheduled.period_steps == 0]
+
+    def next_event(self, steps: int) -> int:
+        """Return the first step after `steps` at which something is due."""
+        wait = self._drive_steps - steps % self._drive_steps
+        for scheduled in self._enabled:
+            remaining = scheduled.period_steps - steps % scheduled.period_steps
+            if remaining < wait:
+                wait = remaining
+        return steps + wait
+
+    @property
+    def sensor_kinds(self) -> Set[str]:
+        """The kinds of sensors that the robot has, also of those that are disabled."""
+        return {each.kind for each in self._sensors.values()}
+
+    def next_reading(self, steps: int, kinds: Collection[str]) -> Optional[int]:
+        """Return the first step after `steps` at which a sensor of some kinds is read.
+
+        None if there is no such sensor.
+        """
+        return min((steps + each.period_steps - steps % each.period_steps
+                    for each in self._enabled if each.kind in kinds), default=None)
+
+    def reset(self) -> None:
+        """Let the sensors begin anew."""
+        for scheduled in self._sensors.values():
+            scheduled.sensor.restart()
+
+    def notify_teleported(self) -> None:
+        """Call after the robot was moved from outside."""
+        for scheduled in self._sensors.values():
+            scheduled.sensor.notify_teleported()
+
+    def measure(self) -> Dict[str, Any]:
+        """Return what the rays of sensors hit now, by the names of the sensors."""
+        return {name: scheduled.sensor.read() for name, scheduled in self._sensors.items()
+                if isinstance(scheduled.sensor, RaySensor)}
+
+
+def _with_root(settings: Any, root: str) -> Any:
+    """Return the settings of a sensor with the root link for each empty frame."""
+    return dataclasses.replace(settings, **{
+        field.name: root for field in dataclasses.fields(settings)
+        if field.name.endswith('_frame') and not getattr(settings, field.name)})

@@ -1,0 +1,69 @@
+"""A body whose links are known by the names that its file gives them."""
+from typing import Dict, Optional, Tuple
+
+from img_recog.errors import SimulationError
+from img_recog.model import Frame, Model
+from img_recog.rotations import Quaternion, Transform
+from img_recog.simulation.physics.body import Body, FrameState, Motion, Vector, motion_of_frame
+from img_recog.simulation.physics.client import link_indices
+
+
+class FramedBody(Body):
+    """The body of a model: what sensors can be mounted on."""
+
+    def __init__(self, body_id: int, physics_client_id: int, model: Model, fixed: bool = False):
+        super().__init__(body_id, physics_client_id, fixed)
+        self._frames = model.frames
+        self._mounts: Dict[str, Frame] = {}
+        self._surfaces = model.surfaces
+        self._link_indices = link_indices(body_id, physics_client_id)
+        self._carriers: Dict[str, Tuple[int, Tuple[Vector, Quaternion]]] = {}
+
+    def motion(self, frame: Optional[str] = None) -> Motion:
+        """Return the motion of a link of the model, by default of the root link.
+
+        Raises SimulationError when there is no such link.
+        """
+        return motion_of_frame(*self.frame_state(frame or self.root))
+
+    def frame_state(self, frame: str) -> FrameState:
+        """Return the state of a link of the model; errors as for `motion`."""
+        return self.part_state(*self._carrier(frame))
+
+    def add_mount(self, frame: str, link: str, pose: Transform) -> None:
+        """Add a frame with a constant pose in a link of the model.
+
+        frame: a name that no link has. Its motion can be read like that of a link.
+        """
+        carrier = self._frames[link]
+        self._mounts[frame] = Frame(carrier.link, carrier.pose @ pose)
+
+    def surfaces(self, link: str) -> Dict[int, str]:
+        """Return PyBullet's index and the name of each part with the shapes of a link.
+
+        link: one with a contact sensor.
+        """
+        return {self._link_indices[name]: name for name in self._surfaces.get(link, ())}
+
+    def has_frame(self, frame: str) -> bool:
+        """Return whether the model has this link."""
+        return frame in self._frames
+
+    def check_frame(self, setting: str, frame: str) -> None:
+        """Raise SimulationError, naming the setting, when its value `frame` is not a link."""
+        try:
+            self._carrier(frame)
+        except SimulationError as error:
+            raise SimulationError('{}: {}'.format(setting, error.problem), error.advice)
+
+    def _carrier(self, frame: str) -> Tuple[int, Tuple[Vector, Quaternion]]:
+        """Return the PyBullet link that a frame is fixed to, and the frame's pose by `in_part`."""
+        if frame not in self._carriers:
+            found = self._frames.get(frame) or self._mounts.get(frame)
+            if found is None:
+                raise SimulationError('the robot has no link {} (links: {})'.format(
+                    frame, ', '.join(sorted(self._frames))))
+            name, pose = found
+            link = self._link_indices[name]
+            self._carriers[frame] = link, self.in_part(link, pose)
+        return self._carriers[frame]

@@ -1,0 +1,75 @@
+"""Models of a world that have sensors, with a plugin that publishes or without."""
+import pytest
+
+from img_recog.conversions.sensor_table import SENSORS
+from img_recog.formats.world_file import WorldFile
+from img_recog.simulation import assembly
+from img_recog.simulation.models import Models
+from img_recog.simulation.settings import PhysicsSettings
+from img_recog_testing.sdf import BOX, convert
+
+WALL = ('<link name="wall"><pose>2 0 0 0 0 0</pose>'
+        + BOX.format('collision', '', '0.2 9 9') + '</link>')
+SENSOR = '<sensor name="{0}" type="{1}"><pose>0.1 0 0 0 0 0</pose>{2}</sensor>'
+RAY = ('<update_rate>50</update_rate><ray><scan><horizontal><samples>3</samples><min_angle>-1'
+       '</min_angle><max_angle>1</max_angle></horizontal></scan><range><min>0.1</min><max>5</max>'
+       '</range></ray>')
+PLUGIN = '<plugin name="p" filename="lib{}.so"/>'
+# a static model whose link `eye` is at x 0.5
+EYE = '<static>1</static><link name="eye"><pose>0.5 0 1 0 0 0</pose>{}</link>'
+
+
+def build(*inside):
+    world = WorldFile('w', tuple(convert(*inside)))
+    return assembly.build(PhysicsSettings(), world, [], kinds=SENSORS)
+
+
+def carrier(*inside):
+    found, = build(*inside).simulator.carriers
+    return found
+
+
+@pytest.mark.parametrize('kind', ['ray', 'gpu_ray'])
+def test_rays_of_a_static_model_begin_at_the_pose_of_the_sensor_in_its_link(kind):
+    eye = carrier(WALL, EYE.format(SENSOR.format('s', kind, RAY)))
+    sensor, = eye.sensors
+    assert (sensor.label, sensor.type, sensor.is_bare) == ('s', kind, True)
+    # from x 0.6 to the wall at 1.9, without noise
+    assert eye.measure()['scan'][1] == pytest.approx(1.3, abs=1e-6)
+
+
+def test_the_readings_of_a_model_are_those_of_its_rate_and_end_with_it():
+    simulator = build(WALL, EYE.format(SENSOR.format('s', 'ray', RAY))).simulator
+    assert [round(each.time_s, 3) for each in simulator.advance(60)] == [0.02, 0.04, 0.06]
+    Models(simulator).remove('m')
+    assert simulator.advance(60) == [] and not simulator.carriers
+
+
+def test_an_imu_that_falls_feels_nothing():
+    simulator = build('<pose>0 0 9 0 0 0</pose><link name="l">' + SENSOR.format(
+        'tilt', 'imu', '<update_rate>100</update_rate>') + '</link>').simulator
+    *_, last = simulator.advance(100)
+    assert last.value.linear_acceleration == pytest.approx((0, 0, 0), abs=1e-6)
+
+
+def test_cameras_are_named_by_their_sensors():
+    source, = build(EYE.format(SENSOR.format('cam', 'camera', '<camera/>'))).sources
+    assert source.camera_names == ('cam',)
+    camera, = source.cameras
+    assert (camera.camera_frame, camera.camera_x, camera.camera_width) == ('eye', 0.1, 320)
+
+
+@pytest.mark.parametrize('inside, words', [
+    (SENSOR.format('s', 'gps', ''), 'not simulated, of model m: sensor gps'),
+    (SENSOR.format('s', 'ray', RAY + PLUGIN.format('other')),
+     'not simulated, of model m: plugin libother.so'),
+    (SENSOR.format('s', 'ray', RAY.replace('>3<', '>x<')),
+     "model m: its sensors are not simulated: <ray/scan/horizontal/samples> of sensor s: got 'x', "
+     'expected a whole number')])
+def test_what_of_sensors_is_not_simulated_is_said(inside, words):
+    assert build(EYE.format(inside)).warnings == (words,)
+
+
+def test_a_sensor_with_a_plugin_that_publishes_is_not_bare():
+    eye = carrier(EYE.format(SENSOR.format('s', 'ray', RAY + PLUGIN.format('gazebo_ros_laser'))))
+    assert [each.is_bare for each in eye.sensors] == [False]
