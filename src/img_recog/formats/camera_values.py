@@ -4,7 +4,7 @@ from typing import Any, Dict, Iterator, List
 
 from img_recog import lenses, rotations
 from img_recog.errors import SimulationError
-from img_recog.formats.numbers import read_number, read_numbers
+from img_recog.formats.numbers import read_number, read_numbers, read_whole
 from img_recog.formats.texts import name_of, text_of
 from img_recog.rotations import Transform, transform
 
@@ -13,7 +13,6 @@ Values = Dict[str, Any]
 _LEFT, _RIGHT = 'left', 'right'
 _DEPTH, _WIDE = 'depth', 'wideanglecamera'
 _POSE = ('camera_x', 'camera_y', 'camera_z', 'camera_roll', 'camera_pitch', 'camera_yaw')
-_MAX_WHOLE = 1e9
 _MAX_IGNORED = 1e-6         # of a coefficient: examples have 0.00000001
 # in <camera>
 _NUMBERS = {'horizontal_fov': 'camera_horizontal_fov', 'clip/near': 'camera_near',
@@ -82,7 +81,7 @@ def of_camera(sensor: ElementTree.Element, camera: ElementTree.Element) -> Value
             values[setting] = read_number('<{}>{}'.format(path, of), camera.findtext(path))
     for path, setting in {**_WHOLE_NUMBERS, **(_LENS_SIZE if is_wide else {})}.items():
         if camera.find(path) is not None:
-            values[setting] = _whole('<{}>{}'.format(path, of), camera.findtext(path, ''))
+            values[setting] = read_whole('<{}>{}'.format(path, of), camera.findtext(path))
     return values
 
 
@@ -174,13 +173,6 @@ def _names(plugin: ElementTree.Element, has_depth: bool, side: str) -> Values:
                                                   'depth/camera_info')
         values['camera_points_topic'] = topic('pointCloudTopicName', 'points')
     return values
-
-
-def _whole(name: str, text: str) -> int:
-    value = read_number(name, text)
-    if not value.is_integer() or abs(value) > _MAX_WHOLE:
-        raise SimulationError('{}: got {!r}, expected a whole number'.format(name, text))
-    return int(value)
 
 
 def _flag(name: str, text: str) -> bool:

@@ -12,7 +12,7 @@ from typing import (Any, Callable, Dict, Iterator, List, Mapping, NamedTuple, Op
 
 from img_recog.errors import SimulationError
 from img_recog.formats import camera_tags
-from img_recog.formats.numbers import read_numbers
+from img_recog.formats.numbers import read_numbers, whole
 from img_recog.formats.texts import name_of, text_of
 from img_recog.model import Frame, Tag
 from img_recog.rotations import IDENTITY, transform
@@ -264,7 +264,7 @@ NAME = Reader('a name', lambda text: _topic(text).lstrip('/'))
 # in the <robotNamespace> of the plugin, unless it has a leading slash
 TOPIC = Reader('a name', _topic)
 NUMBER = Reader('a finite number', _number)
-INTEGER = Reader('a whole number', int)
+INTEGER = Reader('a whole number', whole)
 FLAG = choice('true, false, 1 or 0', {'true': True, '1': True, 'false': False, '0': False})
 POSITIVE = Reader('a finite number', lambda text: max(_number(text), 0.0) or None)
 # for one or each axis

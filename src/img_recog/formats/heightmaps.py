@@ -9,7 +9,7 @@ import numpy as np
 from img_recog.errors import SimulationError, one_line
 from img_recog.files import FindFile, plain
 from img_recog.formats import generated_meshes
-from img_recog.formats.numbers import read_lengths, read_number
+from img_recog.formats.numbers import read_lengths, read_number, read_whole
 from img_recog.formats.texts import text_of
 from img_recog.model import HEIGHTMAP, Material, Shape
 from img_recog.rotations import IDENTITY, Transform
@@ -45,8 +45,8 @@ def shape(name: str, element: ElementTree.Element, find: FindFile) -> Tuple[Shap
     if not (size[:2] > 0).all():
         raise SimulationError('<size> of {}: got {!r}, expected more than 0'.format(
             name, element.findtext('size')))
-    sampling = read_number('<sampling> of ' + name, element.findtext('sampling', '2'))
-    made = Shape(HEIGHTMAP, (*size.tolist(), max(int(sampling), 1)), os.path.abspath(path))
+    sampling = read_whole('<sampling> of ' + name, element.findtext('sampling', '2'))
+    made = Shape(HEIGHTMAP, (*size.tolist(), max(sampling, 1)), os.path.abspath(path))
     read(made)
     position = read_lengths('<pos> of ' + name, element.findtext('pos', '0 0 0'), 3)
     return made, IDENTITY._replace(translation=position)

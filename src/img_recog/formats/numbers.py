@@ -9,6 +9,7 @@ from img_recog.errors import SimulationError
 
 _MAX_LENGTH = 1e6
 _INFINITE = re.compile('[-+]?inf(inity)?', re.IGNORECASE)
+_WHOLE = re.compile(r'\s*([-+]?)(0[xX][0-9a-fA-F]+|[0-9]{1,9}(?![0-9]))')
 
 
 def read_numbers(name: str, text: Optional[str], count: int) -> np.ndarray:
@@ -41,6 +42,27 @@ def read_limit(name: str, text: Optional[str]) -> float:
     if _INFINITE.fullmatch((text or '').strip()):
         return float(text or '')
     return read_number(name, text)
+
+
+def whole(text: str) -> int:
+    """Return the whole number that a text begins with, as sdformat reads it; else ValueError.
+
+    >>> whole('360.5'), whole('0x10'), whole('3.6e2')
+    (360, 16, 3)
+    """
+    found = _WHOLE.match(text)
+    if found is None:
+        raise ValueError(text)
+    return int(found.group(1) + found.group(2), 0 if 'x' in found.group(2).lower() else 10)
+
+
+def read_whole(name: str, text: Optional[str]) -> int:
+    """Return a whole number, as `whole` does; SimulationError naming what it is if there is none.
+    """
+    try:
+        return whole(text or '')
+    except ValueError:
+        raise SimulationError('{}: got {!r}, expected a whole number'.format(name, text))
 
 
 def read_direction(name: str, text: Optional[str]) -> np.ndarray:

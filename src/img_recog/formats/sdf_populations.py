@@ -8,7 +8,7 @@ import numpy as np
 
 from img_recog import rotations
 from img_recog.errors import SimulationError
-from img_recog.formats.numbers import read_lengths, read_number, words
+from img_recog.formats.numbers import read_lengths, read_whole, words
 from img_recog.formats.sdf_frames import pose_of
 from img_recog.formats.texts import name_of
 from img_recog.rotations import IDENTITY
@@ -43,11 +43,11 @@ def models(population: ElementTree.Element) -> List[ElementTree.Element]:
 def _places(name: str, population: ElementTree.Element) -> np.ndarray:
     """Return where the models are, (n, 3), in the frame of the population."""
     def count(path: str) -> int:
-        value = read_number('<{}> of {}'.format(path, name), population.findtext(path, '1'))
+        value = read_whole('<{}> of {}'.format(path, name), population.findtext(path, '1'))
         if not 0 <= value <= _MAX_COUNT:
-            raise SimulationError('<{}> of {}: got {:g}, expected 0 to {}'.format(
+            raise SimulationError('<{}> of {}: got {}, expected 0 to {}'.format(
                 path, name, value, _MAX_COUNT))
-        return int(value)
+        return value
 
     kind = population.findtext('distribution/type', 'random').strip()
     if kind == 'grid':

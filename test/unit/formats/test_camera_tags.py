@@ -110,6 +110,11 @@ def test_slashes_around_names():
     assert camera.camera_image_topic == 'eye/raw' and camera.camera_optical_frame == 'lens'
 
 
+def test_of_a_size_the_whole_part_counts():
+    camera, = read(PLAIN.format('<camera><image><width>32.5</width></image></camera>', ''))
+    assert camera.camera_width == 32
+
+
 def test_several_cameras_in_their_order():
     names = [camera.camera_frame for camera in read(PI, PLAIN.format('', ''), DEPTH.replace(
         '>camera<', '>eye<'))]
@@ -139,16 +144,16 @@ def test_other_sensors_are_no_cameras(tag, label):
      'sensor c: camera_horizontal_fov: got 3.141592653589793, allowed is at most'),
     ('<camera><image><width>10000</width></image></camera>', '',
      'sensor c: camera_width: got 10000, allowed is'),
-    ('<camera><image><width>640.5</width></image></camera>', '',
-     "<image/width> of sensor c: got '640.5', expected a whole number"),
+    ('<camera><image><width>wide</width></image></camera>', '',
+     "<image/width> of sensor c: got 'wide', expected a whole number"),
     ('<camera><clip><near>x</near></clip></camera>', '', "<clip/near> of sensor c: got 'x'"),
     ('<pose>1 2</pose>', '', "<pose> of sensor c: got '1 2', expected 6 finite numbers"),
     ('', '<updateRate>fast</updateRate>', "<updateRate> of sensor c: got 'fast'"),
     ('', '<updateRate>-1</updateRate>', 'sensor c: camera_rate: got -1.0, allowed is'),
     ('<update_rate>nan</update_rate>', '', "<update_rate> of sensor c: got 'nan'"),
     ('<camera><image><width>0</width></image></camera>', '', 'sensor c: camera_width: got 0'),
-    ('<camera><image><width>1e300</width></image></camera>', '',
-     "<image/width> of sensor c: got '1e300', expected a whole number"),
+    ('<camera><image><width>1234567890</width></image></camera>', '',
+     "<image/width> of sensor c: got '1234567890', expected a whole number"),
     ('<camera><clip><near>nan</near></clip></camera>', '', "<clip/near> of sensor c: got 'nan'"),
     ('<camera><clip><far>1e300</far></clip></camera>', '', 'sensor c: camera_far: got 1e+300'),
     ('<camera><clip><near>2</near><far>2</far></clip></camera>', '',

@@ -193,6 +193,13 @@ def test_these_values_alone(elements, wanted):
     assert overrides(robot(elements)) == wanted
 
 
+# Gazebo 11 casts as many rays
+@pytest.mark.parametrize('text, rays', [('360.5', 360), ('360.0', 360), (' 360 ', 360),
+                                        ('0x168', 360), ('12 rays', 12), ('3.6e2', 3)])
+def test_of_a_whole_number_the_digits_at_the_beginning_count(text, rays):
+    assert overrides(robot(ray(samples=text)))['scan_samples'] == rays
+
+
 def test_of_two_drives_the_first_counts_and_all_sensors_are_simulated():
     urdf = robot(drive(), drive(wheelSeparation='9'), ray(), ray('gpu_ray', samples='9'),
                  imu(), imu_sensor('<updateRateHZ>9</updateRateHZ><topicName>b</topicName>'),
@@ -290,8 +297,8 @@ def test_refuses_what_is_not_a_finite_number(text):
      "<odometrySource> of plugin wheels: got 'gps', expected world or"),
     (drive(commandTopic=' '), "<commandTopic> of plugin wheels: got '', expected a name"),
     (drive(odometryFrame='/'), "<odometryFrame> of plugin wheels: got '/', expected a name"),
-    (ray(samples='36.5'),
-     "<ray/scan/horizontal/samples> of sensor lds: got '36.5', expected a who"),
+    (ray(samples='many'),
+     "<ray/scan/horizontal/samples> of sensor lds: got 'many', expected a who"),
     (ray(far='far'), "<ray/range/max> of sensor lds: got 'far', expected a finite number"),
     (imu(NOISE.replace('2e-4', 'a\nb')),
      "<imu/noise/rate/stddev> of plugin inertia: got 'a\\nb', expected a finite number"),

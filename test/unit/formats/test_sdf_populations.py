@@ -88,6 +88,7 @@ def test_places_in_a_cylinder(read):
 
 @pytest.mark.parametrize('inside, words', [
     (COUNT.format(9999), '<model_count> of population cans: got 9999, expected 0 to 5000'),
+    (COUNT.format('many'), "<model_count> of population cans: got 'many', expected a whole"),
     (COUNT.format(-1), '<model_count> of population cans: got -1, expected 0 to 5000'),
     (TYPE.format('linear-x', ''), 'population cans, whose distribution is linear-x'),
     (BOX + TYPE.format('linear-w', ''), 'population cans, whose distribution is linear-w'),
