@@ -31,7 +31,7 @@ REFUSED = {
     'odometry source': ('_odometry_source:=gps', burger, "/gazebo/odometry_source: got 'gps'",
                         'one of encoder, world'),
     'view': ('_view:=below', burger, "/gazebo/view: got 'below'", 'one of above, follow'),
-    'base frame': ('_base_frame:=nowhere', burger, 'no link nowhere', 'base_footprint, base_link'),
+    'scan frame': ('_scan_frame:=nowhere', burger, 'no link nowhere', 'base_footprint, base_link'),
     'wheel without mass': ('', lambda: wheel_mass('0'), 'joint wheel_left_joint is left out',
                            'add an <inertial>'),
     'wheel of NaN mass': ('', lambda: wheel_mass('nan'), 'mass of link wheel_left_link: got',

@@ -54,7 +54,9 @@ def check(path: str, parameters: Sequence[str] = ()) -> Report:
             *seen.rows]
     driven = list(_driven(robot, simulator))
     still = [each for each in driven if abs(each.got) < _MOVES * each.asked]
-    missing = (*robot.model.left_out, *robot.not_simulated, *robot.findings,
+    unmounted = [each.name for each in robot.sensors
+                 if each.values and each.name in vehicle.missing_sensors]
+    missing = (*robot.model.left_out, *unmounted, *robot.not_simulated, *robot.findings,
                *robot.model.missing_meshes, *robot.model.missing_looks, *still)
     return Report('robot {} in {}'.format(vehicle.robot.name, path),
                   rows + [each.row() for each in driven],

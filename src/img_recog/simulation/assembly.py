@@ -91,7 +91,9 @@ def read_robot(urdf: Union[str, ElementTree.Element], step_s: float, find: FindF
                                                 *(kind.read_tags for kind in kinds)))
         cameras, of_cameras = camera_tags.read(tags, model.frames)
         camera_settings = tuple(map(robot_camera.settings_of, cameras))
-        findings = tuple(audit.audit(root))
+        findings = audit.merged([*audit.audit(root), *(Finding(
+            audit.NOT_USED, 'the <gazebo> tag, as there is no such link,', (name,))
+            for name in unused)])
     except SimulationError as error:
         raise _refused(source, error.problem, error.advice)
     of_tags = tuple(dict.fromkeys((*found.not_simulated, *of_cameras)))
@@ -104,7 +106,7 @@ def read_robot(urdf: Union[str, ElementTree.Element], step_s: float, find: FindF
     return RobotSource(
         source, model, sensors_of(kinds, found.sensors), values, camera_settings,
         (*('{}: {}'.format(source, line)
-           for line in _warnings(model, unused, of_tags, of_controllers)),
+           for line in _warnings(model, of_tags, of_controllers)),
          *audit.warnings(source, findings)),
         (*of_tags, *of_controllers), other_drives, findings,
         tuple(camera.sensor for camera in cameras))
@@ -128,7 +130,7 @@ def _read_model(model: Model, step_s: float, kinds: Sequence[SensorKind]) -> Rob
         camera_names=tuple(camera.sensor for camera in cameras))
 
 
-def _warnings(model: Model, unused: Sequence[str], of_tags: Sequence[str],
+def _warnings(model: Model, of_tags: Sequence[str],
               of_controllers: Sequence[str]) -> Iterator[str]:
     """Yield a line for each thing of a robot that is not done as its file says."""
     yield from model.warnings
@@ -140,9 +142,6 @@ def _warnings(model: Model, unused: Sequence[str], of_tags: Sequence[str],
     if model.missing_looks:
         yield ('not known or not found, of its materials: {}; those links keep their other color'
                .format(', '.join(model.missing_looks)))
-    if unused:
-        yield 'not used, because it has no such links: its <gazebo> tags of {}'.format(
-            ', '.join(unused))
     for name, parts in (('<gazebo> tags', of_tags), ('controllers', of_controllers)):
         if parts:
             yield 'not simulated, of its {}: {}'.format(name, ', '.join(parts))

@@ -60,8 +60,8 @@ class Carrier:
         """Add a sensor, but not when only its tag or the default names a link that is missing."""
         kind, place = sensor.kind, sensor.place
         link = place.link if place else kind.frame(settings)
-        if link and not self.robot.has_frame(link) and (
-                place or link == kind.frame(kind.settings())):
+        of_file = kind.frame(kind.settings()), sensor.values.get(kind.name + '_frame')
+        if link and not self.robot.has_frame(link) and (place or link in of_file):
             self.missing_sensors[sensor.name] = link
             return
         mount = ''

@@ -77,6 +77,16 @@ def test_friction_of_a_link_that_is_fixed_to_one_without_a_shape_is_given(check)
         ('simulated', '0.3 of base_footprint')]
 
 
+@pytest.mark.parametrize('tags, what, words', [
+    ('<gazebo><plugin name="i" filename="libgazebo_ros_imu.so"><frameName>torso</frameName>'
+     '</plugin></gazebo>', 'imu', ('not simulated', 'no link torso', '')),
+    ('<gazebo reference="wheel"><mu1>1</mu1></gazebo>',
+     'the <gazebo> tag, as there is no such link,', ('not used', 'wheel', ''))])
+def test_a_tag_of_a_link_that_is_not_there_is_something_that_is_missing(check, tags, what, words):
+    report = check(tags)
+    assert report.is_partial and found(report, what) == [words]
+
+
 def test_what_is_not_simulated_is_named_and_warned_of(check):
     report = check(LAMP + MESH, ('imu_link', 'a_link'))
     assert Row('not simulated', 'plugin liblamp.so') in report.rows

@@ -41,7 +41,7 @@ def test_tags_of_links_that_are_not_there_are_not_used():
     assert [camera.camera_frame for camera in robot.cameras] == ['camera_link']
     assert robot.warnings[0].startswith('robot.urdf: link loose can move (joint loose_joint) but')
     assert robot.warnings[1:] == (
-        'robot.urdf: not used, because it has no such links: its <gazebo> tags of lost, loose',)
+        'robot.urdf: not used: the <gazebo> tag, as there is no such link, of lost, loose',)
 
 
 @pytest.mark.parametrize('visual, words', [

@@ -24,9 +24,10 @@ class OdometrySettings(Settings):
 
     odometry_source: world is the true pose in the world, encoder is added up from the start by
     what the drive counts. odom_frame, base_frame: frame_id and child_frame_id; an empty
-    base_frame is the root link. publish_odom_tf: whether the pose is published on tf as well.
-    odometry_period_s: a multiple of the physics step, in simulated s. 30 Hz does not divide into
-    steps of 1 ms: 33 ms is the nearest period that does.
+    base_frame is the root link, and one that is no link is a name for that. publish_odom_tf:
+    whether the pose is published on tf as well. odometry_period_s: a multiple of the physics
+    step, in simulated s. 30 Hz does not divide into steps of 1 ms: 33 ms is the nearest period
+    that does.
     """
 
     odometry_source: str = setting(WORLD, one_of(ENCODER, WORLD))
@@ -41,9 +42,8 @@ class WorldOdometry(Sensor):
     """The true pose of a frame in the world (libgazebo_ros_diff_drive's odometrySource world)."""
 
     def __init__(self, mount: Mount, settings: OdometrySettings):
-        """Measure a link of the robot; SimulationError when there is no such link."""
-        mount.robot.check_frame('base_frame', settings.base_frame)
-        self._robot, self._frame = mount.robot, settings.base_frame
+        self._robot = mount.robot
+        self._frame = settings.base_frame if mount.robot.has_frame(settings.base_frame) else None
 
     def read(self) -> Motion:
         """Return the motion of the frame."""
@@ -87,6 +87,6 @@ class EncoderOdometry(Sensor):
 
 
 def make_odometry(mount: Mount, settings: OdometrySettings) -> Sensor:
-    """Return the odometry for `settings`; SimulationError when base_frame is not a link."""
+    """Return the odometry for `settings`."""
     is_world = settings.odometry_source == WORLD
     return (WorldOdometry if is_world else EncoderOdometry)(mount, settings)

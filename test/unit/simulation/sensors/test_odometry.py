@@ -4,7 +4,6 @@ import math
 import numpy as np
 import pytest
 
-from img_recog.errors import SimulationError
 from img_recog.settings import SettingError
 from img_recog.simulation.physics.drives import make_drive
 from img_recog.simulation.sensors.odometry import EncoderOdometry, OdometrySettings
@@ -57,11 +56,11 @@ def test_world_is_the_true_pose_of_base_frame():
     assert odometry.angular[2] == pytest.approx(1.0, rel=0.02)
 
 
-def test_world_refuses_a_base_frame_that_is_not_there():
-    with pytest.raises(SimulationError) as error:
-        simulator(odometry=OdometrySettings(base_frame='chassis'))
-    assert ': base_frame: the robot has no link chassis (links: base_footprint' in str(error.value)
-    assert '\n' not in str(error.value)
+def test_a_base_frame_that_is_no_link_is_a_name_for_the_root_link():
+    settings = OdometrySettings(base_frame='robot1/base_link')
+    sim = simulator(x=3.0, y=-2.0, odometry=settings)
+    assert last_odometry(sim, 33).position == pytest.approx([3.0, -2.0, 0.0], abs=0.002)
+    assert sim.vehicles[0].odometry.base_frame == 'robot1/base_link'
 
 
 @pytest.mark.parametrize('x, y, yaw', [(0.0, 0.0, 0.0), (3.0, -2.0, 0.0), (-1.0, 4.0, 2.5)])
