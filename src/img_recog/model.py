@@ -161,7 +161,8 @@ class Joint(NamedTuple):
     """A joint between two links, given by their names.
 
     pose: of its frame, which is that of the child where the joint is at 0, in the parent; axis
-    (3,): of any length, in that frame.
+    (3,): of any length, in that frame. held: the largest force, in N or N m, with which a motor
+    keeps it from moving; infinite if it keeps it at 0, and 0 if it is free.
     """
 
     name: str
@@ -173,6 +174,13 @@ class Joint(NamedTuple):
     limits: Optional[Limits] = None
     damping: float = 0.0
     friction: float = 0.0
+    held: float = 0.0
+
+    @property
+    def nearest_to_0(self) -> float:
+        """The position that its limits allow, in m or rad, nearest to 0."""
+        low, high = (0.0, 0.0) if self.limits is None else self.limits[:2]
+        return min(max(0.0, low), high) if low <= high else 0.0
 
 
 class Frame(NamedTuple):

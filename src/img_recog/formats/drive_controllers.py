@@ -120,6 +120,35 @@ def of_robot(robot: ElementTree.Element, find_controllers: FindControllers) -> C
     return {}
 
 
+def held(robot: ElementTree.Element, find_controllers: FindControllers) -> Dict[str, float]:
+    """Return the joints of a <robot> that ros_control keeps from moving, as `Joint.held` says it.
+
+    Those are the joints with an interface of positions or velocities while no controller commands
+    them, and those with one of efforts of which a controller is known.
+    """
+    controllers = of_robot(robot, find_controllers)
+    joints = {name_of(joint): joint for joint in robot.findall('joint')}
+    found: Dict[str, float] = {}
+    if not any(is_of(plugin, CONTROL) for plugin in robot.findall('gazebo/plugin')):
+        return found
+    for transmission in robot.findall('transmission'):
+        for joint in transmission.findall('joint'):
+            name = name_of(joint)
+            kind = (text_of(joint, 'hardwareInterface')
+                    or text_of(transmission, 'actuator/hardwareInterface')).split('/')[-1]
+            is_named = any(name in _listed(values.get(key)) for values in controllers.values()
+                           for key in ('joint', 'joints'))
+            if kind == 'PositionJointInterface' or kind == 'EffortJointInterface' and is_named:
+                found[name] = math.inf
+            elif kind == 'VelocityJointInterface' and name in joints:
+                found[name] = _effort(joints[name])
+    return found
+
+
+def _listed(value: Any) -> List[Any]:
+    return value if isinstance(value, list) else [value]
+
+
 def none(_: str) -> Controllers:
     """Return none."""
     return {}

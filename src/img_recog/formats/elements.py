@@ -148,8 +148,9 @@ _TAGS = Row('sensor visual collision plugin mu1 material', '', 'kp kd maxVel min
 
 URDF: Dict[str, Row] = {
     **SENSORS,
-    'robot': Row('link joint gazebo', 'material', 'transmission', 'ros2_control sensor group',
-                 why='controllers are found by their plugin and parameters'),
+    'robot': Row('link joint gazebo transmission', 'material',
+                 not_simulated='ros2_control sensor group'),
+    'transmission': Row(anything=True),
     'robot/material': Row('', 'color texture'),
     'robot/link': Row('inertial visual collision contact', no_effect='type',
                       not_simulated='self_collision_checking'),

@@ -7,6 +7,8 @@ from typing import List, Tuple, Union
 
 from img_recog.errors import SimulationError
 from img_recog.files import FindFile
+from img_recog.formats import drive_controllers
+from img_recog.formats.drive_controllers import FindControllers
 from img_recog.formats.numbers import read_direction, read_limit
 from img_recog.formats.texts import name_of
 from img_recog.formats.urdf_links import Links, origin_of
@@ -30,10 +32,11 @@ def root_of(urdf: Union[str, ElementTree.Element]) -> ElementTree.Element:
     return robot
 
 
-def read(robot: ElementTree.Element, find: FindFile) -> Model:
+def read(robot: ElementTree.Element, find: FindFile,
+         controllers: FindControllers = drive_controllers.none) -> Model:
     """Return the links and joints of a <robot>.
 
-    find: returns the path of a mesh's or texture's URI. A shape whose mesh is not found is left
+    controllers: returns those of ros_control that it can have. find: returns the path of a mesh's or texture's URI. A shape whose mesh is not found is left
     out; where a link has no visual (or collision) shape left because of that, it gets its
     collision (or visual) shapes.
     Raises SimulationError when a name is missing or used twice, a joint has no link at an end, or
@@ -51,7 +54,9 @@ def read(robot: ElementTree.Element, find: FindFile) -> Model:
             'got 0 root links (none), expected one',
             'its elements are <{}>; xacro expands macros only with the prefix xacro:'.format(
                 '>, <'.join(others)) if others else '')
-    joints = tuple(_joint(joint, links) for joint in robot.findall('joint'))
+    held = drive_controllers.held(robot, controllers)
+    joints = tuple(_joint(joint, links)._replace(held=held.get(name_of(joint), 0.0))
+                   for joint in robot.findall('joint'))
     reader = Links(robot, find)
     xacro = check_expanded(robot)
     return Model(

@@ -84,7 +84,7 @@ def read_robot(urdf: Union[str, ElementTree.Element], step_s: float, find: FindF
     """
     try:
         root = urdf_file.root_of(urdf)
-        model = lumping.lumped(urdf_file.read(root, find))
+        model = lumping.lumped(urdf_file.read(root, find, controllers))
         drive = drive_tags.find(root, step_s, controllers)
         tags, unused = urdf_file.used_tags(root, model)
         found = gazebo_tags.read(tags, step_s, (*([drive.tags] if drive else ()),

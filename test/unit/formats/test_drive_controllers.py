@@ -1,4 +1,5 @@
 """All settings that the parameters of a controller give, and those that they leave."""
+import math
 import xml.etree.ElementTree as ElementTree
 
 import pytest
@@ -54,6 +55,28 @@ def test_what_controllers_assume(controller, wanted):
 def test_a_controller_of_joints_that_the_robot_does_not_have_is_of_another_robot(
         controller, missing):
     assert found({**controller, **missing}) is None
+
+
+TRANSMISSION = ('<transmission><joint name="a">{}</joint><actuator>{}</actuator></transmission>'
+                '<joint name="a"><limit effort="7"/></joint>')
+INTERFACE = '<hardwareInterface>{}JointInterface</hardwareInterface>'
+ARM = {'type': 'effort_controllers/JointTrajectoryController', 'joints': ['b', 'a']}
+
+
+@pytest.mark.parametrize('plugin, kind, controller, wanted', [
+    (CONTROL, 'hardware_interface/Position', {}, {'a': math.inf}),
+    (CONTROL, 'Position', {}, {'a': math.inf}),
+    (CONTROL, 'hardware_interface/Velocity', {}, {'a': 7.0}),
+    (CONTROL, 'hardware_interface/Effort', {}, {}),
+    (CONTROL, 'hardware_interface/Effort', {**ARM, 'joints': ['b']}, {}),
+    (CONTROL, 'hardware_interface/Effort', ARM, {'a': math.inf}),
+    (CONTROL, 'hardware_interface/Effort', {**ARM, 'joint': 'a'}, {'a': math.inf}),
+    ('', 'hardware_interface/Position', {}, {})])
+@pytest.mark.parametrize('place', [(INTERFACE, ''), ('', INTERFACE)], ids=['joint', 'actuator'])
+def test_joints_that_ros_control_holds(plugin, kind, controller, wanted, place):
+    robot = ElementTree.fromstring('<robot>{}{}</robot>'.format(plugin, TRANSMISSION.format(
+        *(each.format(kind) for each in place))))
+    assert drive_controllers.held(robot, lambda namespace: {'arm': controller}) == wanted
 
 
 @pytest.mark.parametrize('parameters, wanted', [

@@ -2,15 +2,19 @@
 
 PyBullet itself uses the center of mass, in a frame aligned with the principal axes of inertia.
 """
-from typing import Dict, Iterable, NamedTuple, Sequence, Tuple
+import math
+from typing import Container, Dict, NamedTuple, Sequence, Tuple
 
 import numpy as np
 import pybullet
 
 from img_recog import rotations
+from img_recog.model import Joint
 from img_recog.rotations import Quaternion, Transform
 
 Vector = Sequence[float]
+
+_HOLDING_FORCE = 1e6    # N or N m, of the motors of joints that are held at a position
 
 
 class Pose(NamedTuple):
@@ -81,12 +85,29 @@ class Body:
         self._root_in_mass = pybullet.invertTransform(*self.mass_in_root)
         self.start = self.pose()
 
-    def release(self, joints: Iterable[int]) -> None:
-        """Switch off the motors of joints, given by their indices; PyBullet holds all by one."""
-        released = list(joints)
+    def release(self, joints: Sequence[Joint], driven: Container[int] = ()) -> None:
+        """Switch off the motors of the joints but those that are held; PyBullet holds all.
+
+        joints: of the model; driven: the indices of those that others move.
+        """
+        held = {joint.name: joint for joint in joints if joint.held}
+        released = [index for name, index in self.joints.items()
+                    if name not in held and index not in driven]
+        client = {'physicsClientId': self.physics_client_id}
         pybullet.setJointMotorControlArray(
             self.body_id, released, pybullet.VELOCITY_CONTROL, forces=[0.0] * len(released),
-            physicsClientId=self.physics_client_id)
+            **client)
+        for name, joint in held.items():
+            index = self.joints.get(name)
+            if index is None or index in driven:
+                continue
+            if math.isinf(joint.held):
+                pybullet.setJointMotorControl2(
+                    self.body_id, index, pybullet.POSITION_CONTROL, force=_HOLDING_FORCE,
+                    targetPosition=joint.nearest_to_0, **client)
+            else:
+                pybullet.setJointMotorControl2(self.body_id, index, pybullet.VELOCITY_CONTROL,
+                                               force=joint.held, **client)
 
     def _movable_joints(self) -> Dict[str, int]:
         joints = {}

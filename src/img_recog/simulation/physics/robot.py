@@ -142,7 +142,7 @@ class SimulatedRobot(FramedBody):
             pybullet.changeDynamics(
                 self.body_id, wheel, spinningFriction=self._torsional_friction(wheel),
                 physicsClientId=self.physics_client_id)
-        self.release(joint for joint in self.joints.values() if joint not in self._wheels)
+        self.release(model.joints, self._wheels)
         for tyre in self._tyres:
             pybullet.setJointMotorControl2(
                 self.body_id, tyre, pybullet.POSITION_CONTROL, targetPosition=0.0,

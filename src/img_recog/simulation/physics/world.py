@@ -106,7 +106,7 @@ class World:
                 body.body_id, link, linearDamping=0, angularDamping=0,
                 lateralFriction=coefficients.get(name, FLOOR_FRICTION),
                 physicsClientId=self.physics_client_id)
-        body.release(body.joints.values())
+        body.release(model.joints)
 
     def step(self, count: int = 1) -> None:
         """Advance the physics by a number of steps."""

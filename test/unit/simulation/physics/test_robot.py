@@ -3,6 +3,7 @@ import pybullet
 import pytest
 
 from img_recog.formats import world_file
+from img_recog.model import Tree
 from img_recog.simulation import assembly
 from img_recog.simulation.settings import PhysicsSettings
 from img_recog_testing.refusals import refusal
@@ -36,18 +37,21 @@ CASTER = '''<link name="caster_{side}">{caster}<collision>
   <axis xyz="0 0 0"/><parent link="base_link"/><child link="caster_{side}"/></joint>'''
 
 
-def build(base=BASE, wheel=WHEEL, caster='', roll='1.5707963'):
+def build(base=BASE, wheel=WHEEL, caster='', roll='1.5707963', more='</robot>', is_model=False):
     """Return the simulator of a cart with these inertials, and the warnings about its URDF.
 
-    roll: of the cylinders of the wheels.
+    roll: of the cylinders of the wheels; more: the end of its URDF; is_model: whether it is a
+    model of the world.
     """
     urdf = ROBOT.format(
         base=base, wheels=''.join(SIDE.format(
             side=side, wheel=wheel, roll=roll.format(side=side)) for side in (1, -1)),
         casters=''.join(CASTER.format(side=side, caster=caster) for side in (1, -1)))
-    robot = read(urdf)
-    built = assembly.build(PhysicsSettings(world='empty'), world_file.read('empty', {}),
-                           [(robot, assembly.default_settings(robot))])
+    robot = read(urdf.replace('</robot>', more))
+    robots = [] if is_model else [(robot, assembly.default_settings(robot))]
+    built = assembly.build(PhysicsSettings(world='empty'), world_file.read('empty', {}), robots)
+    if is_model:
+        built.simulator.world.add([Tree('cart', robot.model)])
     return built.simulator, robot.warnings
 
 
@@ -111,3 +115,25 @@ def test_a_wheel_without_mass_is_refused_with_the_reason():
     assert refusal(build, wheel='').startswith(
         'cannot use the robot in robot.urdf: left_joint: joint joint_1 is left out, because what '
         'it moves has no mass')
+
+
+ARM = '''<link name="arm"><inertial><origin xyz="0.15 0 0"/><mass value="0.2"/>
+  <inertia ixx="1e-4" ixy="0" ixz="0" iyy="1e-3" iyz="0" izz="1e-3"/></inertial></link>
+<joint name="arm_joint" type="revolute"><origin xyz="0.1 0 0.3"/><axis xyz="0 1 0"/>
+  <limit lower="{}" upper="1.5" effort="10" velocity="2"/>
+  <parent link="base_link"/><child link="arm"/></joint>
+<transmission name="t"><joint name="arm_joint"><hardwareInterface>{}JointInterface
+  </hardwareInterface></joint></transmission>
+<gazebo><plugin name="c" filename="libgazebo_ros_control.so"/></gazebo></robot>'''
+
+
+@pytest.mark.parametrize('is_model', [False, True])
+@pytest.mark.parametrize('interface, lower, angle', [
+    ('Position', -1.5, 0.0), ('Position', 0.2, 0.2), ('Velocity', -1.5, 0.0),
+    ('Effort', -1.5, 1.5)])
+def test_ros_control_holds_an_arm_that_nothing_commands(interface, lower, angle, is_model):
+    simulator, _ = build(more=ARM.format(lower, interface), is_model=is_model)
+    body = simulator.world.bodies[-1] if is_model else simulator.vehicles[0].robot
+    simulator.advance(1000)
+    assert body.pose().joints[list(body.joints).index('arm_joint')] == pytest.approx(
+        angle, abs=0.01)
