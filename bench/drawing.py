@@ -1,4 +1,4 @@
-"""CPU and wall time of drawing an image, compared with the renderers of PyBullet."""
+"""CPU and wall time of drawing an image, compared with PyBullet's."""
 import json
 import os
 import subprocess
@@ -8,8 +8,7 @@ from typing import Callable, Dict
 
 HERE = os.path.dirname(os.path.abspath(__file__))
 TURNS, SECONDS = 7, 1.0
-METHODS = ('img_recog', 'img_recog, depths', 'TinyRenderer', 'TinyRenderer, no shadows',
-           "PyBullet's EGL plugin")
+METHODS = ('img_recog', 'img_recog, depths', "PyBullet's EGL plugin")
 CASES = (('robot', (320, 240)), ('robot', (640, 480)), ('robot', (1920, 1080)),
          ('above', (640, 480)))
 

@@ -80,8 +80,8 @@ def our_depths(drive: Drive, camera: Camera) -> Draw:
     return lambda moment: renderer.depth(camera, moment.camera_pose, moment.parts)
 
 
-def pybullet_by(renderer: int, shadow: bool, client: int) -> Callable[[Drive, Camera], Draw]:
-    """Return a method like `ours` that draws by a renderer of PyBullet, with the same light."""
+def pybullet_by(client: int) -> Callable[[Drive, Camera], Draw]:
+    """Return a method like `ours` that draws by PyBullet's OpenGL, with its light."""
     def load(drive: Drive, camera: Camera) -> Draw:
         scene = SceneCopy(drive.scene, client, floor=True)
         projection = matrices.perspective(camera.window, camera.near, camera.far)
@@ -91,18 +91,13 @@ def pybullet_by(renderer: int, shadow: bool, client: int) -> Callable[[Drive, Ca
             return pybullet.getCameraImage(
                 camera.width, camera.height,
                 matrices.view(moment.camera_pose).T.ravel().tolist(),
-                projection.T.ravel().tolist(), shadow=int(shadow),
+                projection.T.ravel().tolist(), shadow=1,
                 lightDirection=drive.visuals.light.sun, lightColor=(1, 1, 1),
                 lightAmbientCoeff=0.75, lightDiffuseCoeff=0.25, lightSpecularCoeff=0.0,
-                flags=pybullet.ER_NO_SEGMENTATION_MASK, renderer=renderer,
+                flags=pybullet.ER_NO_SEGMENTATION_MASK, renderer=pybullet.ER_BULLET_HARDWARE_OPENGL,
                 physicsClientId=client)[2]
         return draw
     return load
-
-
-def tiny(shadow: bool) -> Callable[[Drive, Camera], Draw]:
-    """Return the method TinyRenderer."""
-    return pybullet_by(pybullet.ER_TINY_RENDERER, shadow, connect())
 
 
 def egl() -> Callable[[Drive, Camera], Draw]:
@@ -113,11 +108,10 @@ def egl() -> Callable[[Drive, Camera], Draw]:
     if plugin is None or plugin.origin is None or pybullet.loadPlugin(
             plugin.origin, '_eglRendererPlugin', physicsClientId=client) < 0:
         sys.exit(1)
-    return pybullet_by(pybullet.ER_BULLET_HARDWARE_OPENGL, True, client)
+    return pybullet_by(client)
 
 
 METHODS = {'img_recog': lambda: ours, 'img_recog, depths': lambda: our_depths,
-           'TinyRenderer': lambda: tiny(True), 'TinyRenderer, no shadows': lambda: tiny(False),
            "PyBullet's EGL plugin": egl}
 
 

@@ -37,11 +37,7 @@ class FakeRenderer:
 
 
 def make():
-    return FakeRenderer(), ''
-
-
-def make_another():
-    return FakeRenderer(), 'no EGL; install it'
+    return FakeRenderer()
 
 
 def refuse():

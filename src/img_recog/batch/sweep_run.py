@@ -12,13 +12,14 @@ import numpy as np
 from img_recog import resources
 from img_recog.batch.sweep_file import Run, Success, Values, given
 from img_recog.errors import UserError
+from img_recog.rendering import renderer
 from img_recog.rendering.light import LightSettings
 from img_recog.replay import programs, scenario
 from img_recog.replay.chain import (SECOND_NS, ColorRecognition, FrameMeasurement, FrameResult,
                                     Recorder)
 from img_recog.replay.film import Film, FilmRecorder
 from img_recog.replay.loop import Loop
-from img_recog.replay.robot_frames import RobotFrames, make_renderer
+from img_recog.replay.robot_frames import RobotFrames
 from img_recog.settings import from_mapping
 from img_recog.simulation.assembly import Assembly
 from img_recog.simulation.physics.footprints import footprints
@@ -151,7 +152,7 @@ def _with_paths(run: Run, roles: Tuple[str, ...], paths: Sequence[str]) -> Run:
 @functools.lru_cache(maxsize=None)
 def _renderer() -> Any:
     """Return that of this process: making one takes as long as 50 images."""
-    return make_renderer()
+    return renderer.make()
 
 
 def _run(run: Run, success: Success, time_limit_s: float, film_file: Any) -> Result:

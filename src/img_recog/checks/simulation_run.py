@@ -19,7 +19,6 @@ from img_recog.simulation.carrier import Carrier
 from img_recog.simulation.figures import Figures
 from img_recog.simulation.models import Models
 from img_recog.simulation.pictures import visual_scene
-from img_recog.simulation.pictures.tiny_renderer import TinyRenderer
 from img_recog.simulation.pictures.visual_scene import Parts
 from img_recog.simulation.sensors.robot_camera import RobotCamera
 from img_recog.simulation.settings import PhysicsSettings, SpawnSettings
@@ -133,7 +132,7 @@ class Run:
     def _draw(self, folder: str) -> None:
         """Write a PNG of each camera."""
         parts = Parts(self._simulator)
-        drawn_by, _ = renderer.make_or(TinyRenderer)
+        drawn_by = renderer.make()
         drawn_by.load(visual_scene.read(self._built.scene, parts), parts.poses())
         os.makedirs(folder, exist_ok=True)
         for carrier, source in zip(self._simulator.carriers, self._built.sources):

@@ -112,7 +112,7 @@ def check_opengl() -> Iterator[Finding]:
         why = _failure(sys.executable, _same_path() +
                        'from img_recog.rendering.opengl import Renderer; Renderer()')
         if why:
-            yield Finding(message('images of the simulator are drawn slowly: {}', why),
+            yield Finding(message('images of the simulator cannot be drawn: {}', why),
                           message('run "sudo apt-get install libegl1 libgl1-mesa-dri"'))
 
 

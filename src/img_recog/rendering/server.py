@@ -16,9 +16,8 @@ _BYTES_PER_PIXEL = 8        # RGB, and a depth at an address that is divisible b
 
 # uint8 RGB (height, width, 3), and float32 depths (height, width) in m, or None
 Picture = Tuple[np.ndarray, Optional[np.ndarray]]
-# Makes what draws like opengl.Renderer; returns it, and why it is another one, or ''. Raises
-# UserError if there is none. A function of a module.
-Make = Callable[[], Tuple[Any, str]]
+# Makes what draws like opengl.Renderer; raises UserError if it cannot. A function of a module.
+Make = Callable[[], Any]
 
 
 class Shot(NamedTuple):
@@ -50,12 +49,11 @@ class Request(NamedTuple):
 class Answer(NamedTuple):
     """The answer to a request, whose pictures are in the memory.
 
-    missing: a line for each visual of a new scene that cannot be drawn; fallback_reason: why there
-    is no OpenGL, else ''; problem: why nothing can be drawn, else ''.
+    missing: a line for each visual of a new scene that cannot be drawn; problem: why nothing can
+    be drawn, else ''.
     """
 
     missing: Sequence[str] = ()
-    fallback_reason: str = ''
     problem: str = ''
 
 
@@ -89,7 +87,7 @@ def serve(connection: Connection, memory: Any, make: Make) -> None:
     # the threads of OpenCV wait in a busy loop, on a processor that others wait for
     cv2.setNumThreads(1)
     try:
-        renderer, reason = make()
+        renderer = make()
         slots = np.frombuffer(memory, np.uint8).reshape(SLOTS, -1)
         while True:
             request = connection.recv()
@@ -101,7 +99,7 @@ def serve(connection: Connection, memory: Any, make: Make) -> None:
                                            shot.ceiling)
                 if depth is not None:
                     depth[:] = lens_views.depth(renderer, shot.camera, shot.pose, request.poses)
-            connection.send(Answer(missing, reason))
+            connection.send(Answer(missing))
     except (EOFError, OSError):
         pass
     except UserError as error:

@@ -14,20 +14,11 @@ from img_recog.rendering.noise import PixelNoise
 from img_recog.settings import nearest_period
 from img_recog.simulation.assembly import Assembly
 from img_recog.simulation.pictures import visual_scene
-from img_recog.simulation.pictures.tiny_renderer import TinyRenderer
 from img_recog.simulation.pictures.visual_scene import Parts
 from img_recog.simulation.sensors.robot_camera import RobotCamera
 from img_recog.simulation.settings import CameraSettings
 
 _log = logging.getLogger(__name__)
-
-
-def make_renderer() -> Any:
-    """Return a renderer; log why if it is not that of OpenGL."""
-    made, reason = renderer.make_or(TinyRenderer)
-    if reason:
-        _log.warning('images are drawn without shadows, and slowly: %s', reason)
-    return made
 
 
 class RobotFrames(Frames):
@@ -56,7 +47,7 @@ class RobotFrames(Frames):
         step_s = built.simulator.world.step_s
         self.period_ns = round(nearest_period(settings.camera_rate, step_s) * SECOND_NS)
         self.expected = max(1, round(seconds * SECOND_NS / self.period_ns))
-        self._renderer = drawn_by or make_renderer()
+        self._renderer = drawn_by or renderer.make()
         for reason in self._renderer.load(visual_scene.read(built.scene, self._parts),
                                           self._parts.poses()):
             _log.warning('not drawn: %s', reason)

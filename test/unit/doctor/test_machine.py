@@ -88,7 +88,7 @@ def test_a_camera_that_may_not_be_opened(tmp_path, monkeypatch):
 
 def test_no_opengl(monkeypatch):
     monkeypatch.setenv('__EGL_VENDOR_LIBRARY_FILENAMES', '/no_such_file')
-    assert problem(machine.check_opengl).startswith('images of the simulator are drawn slowly: ')
+    assert problem(machine.check_opengl).startswith('images of the simulator cannot be drawn: ')
 
 
 def test_a_full_disk_and_a_folder_that_cannot_be_written(monkeypatch, tmp_path):

@@ -1,4 +1,4 @@
-"""Images through lenses: where things are, by OpenGL and by what draws in its place."""
+"""Images through lenses: where things are."""
 import math
 
 import numpy as np
@@ -11,7 +11,6 @@ from img_recog.rendering import lens_views, matrices
 from img_recog.rendering.camera import Camera, View, Window
 from img_recog.rendering.opengl import Renderer
 from img_recog.rendering.rays import directions
-from img_recog.simulation.pictures.tiny_renderer import TinyRenderer
 from img_recog_testing.drawn import HERE, RED, at, centroid, scene, visual
 
 SIZE = 320, 240
@@ -20,25 +19,24 @@ LENSES = {**TYPES, 'round': lenses.scaled_to(Lens(1.0), 1.9 * math.pi), 'custom'
           lenses.scaled_to(Lens(1.05, 4.0, 0.0, 'tan', texture_size=512), 3.183)}
 
 
-def seen(make, lens, *visuals, pose=np.eye(4), fov=1.0):
-    renderer = make()
+def seen(lens, *visuals, pose=np.eye(4), fov=1.0):
+    renderer = Renderer()
     renderer.load(scene(*visuals), HERE)
     camera = Camera(*SIZE, fov, 0.05, 50.0, lens)
     return (lens_views.draw(renderer, camera, pose, HERE),
             lens_views.depth(renderer, camera, pose, HERE))
 
 
-@pytest.mark.parametrize('make', [Renderer, TinyRenderer])
 @pytest.mark.parametrize('name, degrees, around', [
     *((kind, degrees, around) for kind in TYPES for degrees, around in ((0, 0), (30, 20),
                                                                         (60, -170))),
     ('custom', 88, 5), ('custom', 65, 95), ('custom', 105, 37), ('custom', 44, 180),
     ('round', 120, 10), ('round', 165, 0)])
-def test_a_ball_is_drawn_at_the_radius_of_its_angle(make, name, degrees, around):
+def test_a_ball_is_drawn_at_the_radius_of_its_angle(name, degrees, around):
     angle, side = math.radians(degrees), math.radians(around)
     right, down = math.sin(angle) * math.cos(side), math.sin(angle) * math.sin(side)
     ball = visual(Shape(SPHERE, (0.1,)), at(4 * math.cos(angle), -4 * right, -4 * down), RED)
-    image, depth = seen(make, LENSES[name], ball)
+    image, depth = seen(LENSES[name], ball)
     radius = SIZE[0] / 2 * float(LENSES[name].radius(angle))
     place = 159.5 + radius * math.cos(side), 119.5 + radius * math.sin(side)
     assert centroid(image) == pytest.approx(place, abs=0.5)
@@ -50,7 +48,7 @@ def test_the_faces_of_the_cube_join():
     # walls all around; a seam would show the background
     walls = [visual(Shape(BOX, tuple(7.0 - 6.9 * np.abs(middle))), at(*np.multiply(3.5, middle)),
                     (1.0, 1.0, 1.0, 1.0)) for middle in (*np.eye(3), *-np.eye(3))]
-    image, depth = seen(Renderer, LENSES['round'], *walls)
+    image, depth = seen(LENSES['round'], *walls)
     shown = ~(image == 0).all(axis=2)
     assert shown.mean() > 0.7 and np.ptp(image[shown], axis=1).max() <= 1
     assert np.isfinite(depth[shown]).all() and np.isinf(depth[~shown]).all()
@@ -58,7 +56,7 @@ def test_the_faces_of_the_cube_join():
 
 def test_what_is_beyond_the_cutoff_angle_is_black():
     lens = LENSES['round']._replace(cutoff_angle=1.0)
-    image, depth = seen(Renderer, lens)
+    image, depth = seen(lens)
     radius = SIZE[0] / 2 * float(lens.radius(1.0))
     rows, columns = np.mgrid[:SIZE[1], :SIZE[0]]
     distance = np.hypot(columns - 159.5, rows - 119.5)
@@ -136,10 +134,9 @@ def test_what_the_renderer_is_asked():
     assert depth[shown] == pytest.approx(2.0, abs=1e-6)     # of the face ahead
 
 
-@pytest.mark.parametrize('make', [Renderer, TinyRenderer])
-def test_distortion_moves_pixels_as_its_model_says(make):
+def test_distortion_moves_pixels_as_its_model_says():
     lens, (x, y) = Distortion(-0.2, 0.03, 0.01, -0.02, 0.0), (0.4, -0.3)
-    image, depth = seen(make, lens, visual(Shape(SPHERE, (0.1,)), at(4, -4 * x, -4 * y), RED),
+    image, depth = seen(lens, visual(Shape(SPHERE, (0.1,)), at(4, -4 * x, -4 * y), RED),
                         fov=1.2)
     square = x * x + y * y
     factor = 1 + lens.k1 * square + lens.k2 * square ** 2

@@ -1,5 +1,4 @@
 """The process that draws images, and a thread that waits for them."""
-import functools
 import math
 import multiprocessing
 import threading
@@ -18,7 +17,6 @@ from img_recog.rendering import renderer, server
 from img_recog.rendering.camera import Camera
 from img_recog.rendering.server import Answer, Picture, Request, Shot
 from img_recog.ros.diagnostics import Counter, Durations, add_counter, add_durations
-from img_recog.simulation.pictures.tiny_renderer import TinyRenderer
 
 _POLL_PERIOD_S = 0.1
 _MAX_WAIT_S = 60.0          # for images, a scene or the start; then the process hangs
@@ -41,8 +39,7 @@ class ImageProcess:
     """
 
     def __init__(self, scene: VisualScene, poses: np.ndarray, cameras: Sequence[Camera],
-                 niceness: int = 0,
-                 make: server.Make = functools.partial(renderer.make_or, TinyRenderer)):
+                 niceness: int = 0, make: server.Make = renderer.make):
         """poses (n, 7): of all parts; niceness: how far other processes come first; make: makes
         what draws, in the process.
         """
@@ -225,9 +222,6 @@ class ImageProcess:
 
     def _take(self, helper: HelperProcess, answer: Answer) -> None:
         """Log what an answer says, and publish its pictures."""
-        if answer.fallback_reason and not self._is_ready:
-            rospy.logwarn('images are drawn without shadows, and slowly: %s',
-                          answer.fallback_reason)
         for line in answer.missing:
             if line not in self._said:
                 self._said.add(line)

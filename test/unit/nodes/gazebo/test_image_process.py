@@ -312,14 +312,6 @@ def test_a_process_that_cannot_be_started(make, warnings, monkeypatch):
                         'files; the simulation goes on without them']
 
 
-def test_drawing_without_opengl_is_warned_of(make, warnings):
-    made, drawn = make(fake_renderers.make_another)
-    start(made)
-    drawn.draw(7)
-    drawn.wait([1, 7, 128])
-    assert warnings == ['images are drawn without shadows, and slowly: no EGL; install it']
-
-
 def test_report(make):
     made, drawn = make()
     start(made)
