@@ -59,14 +59,12 @@ class Material(NamedTuple):
     """A color (red, green, blue, opacity; 0 to 1), multiplied by the image file `texture`.
 
     texture: '' for none; scale: how large its image is, 1 for all of the texture coordinates;
-    pattern: the name of one that `color` is the mean of, '' for none; is_cutout: whether the
-    texture is only seen where it is opaque.
+    is_cutout: whether the texture is only seen where it is opaque.
     """
 
     color: Color = GREY
     texture: str = ''
     scale: Tuple[float, float] = (1.0, 1.0)
-    pattern: str = ''
     is_cutout: bool = False
 
 

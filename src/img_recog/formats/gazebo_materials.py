@@ -1,5 +1,5 @@
 """The materials that Gazebo 11 has in its gazebo.material, by name."""
-from typing import Dict, Optional, Sequence, Tuple
+from typing import Dict, Optional, Sequence
 
 from img_recog.model import Color, Material
 
@@ -30,39 +30,37 @@ _COLORS: Dict[str, Sequence[float]] = {
     # those for the passes of its own renderer, on nothing that is seen
     **dict.fromkeys(('CameraDistortionMap', 'CameraLensFlare', 'DepthMap', 'GaussianCameraNoise',
                      'LaserScan1st', 'LaserScan2nd', 'WideLensMap', 'XYZPoints'), (1, 1, 1))}
-_ASPHALT, _PAVING = (0.3, 0.3, 0.3), (0.62, 0.61, 0.59)
-# a mean color in place of that of the texture, and a pattern of rendering/patterns.py
-_PATTERNED: Dict[str, Tuple[Sequence[float], str]] = {
-    'Bricks': ((0.56, 0.38, 0.37), 'bricks'), 'BuildingFrame': ((0.8, 0.8, 0.8), 'frame'),
-    'CeilingTiled': ((0.8, 0.8, 0.78), 'tiles'), 'CloudySky': ((0.62, 0.72, 0.84), 'clouds'),
-    'CoM': ((0.5, 0.5, 0.5), 'quarters'), 'Footway': (_PAVING, 'tiles'),
-    'Grass': ((0.3, 0.42, 0.18), 'grass'), 'GreyGradientSky': ((0.6, 0.6, 0.6), 'gradient'),
-    'Lane_1': (_ASPHALT, 'lane'), 'Lanes_2': (_ASPHALT, 'lanes 2'),
-    'Lanes_4': (_ASPHALT, 'lanes 4'), 'Lanes_6': (_ASPHALT, 'lanes 6'),
-    'Motorway': (_ASPHALT, 'lanes 6'), 'PaintedWall': ((0.85, 0.82, 0.74), 'plaster'),
-    'Pedestrian': (_PAVING, 'tiles'), 'Primary': (_ASPHALT, 'lanes 2'),
-    'Residential': (_ASPHALT, 'lanes 2'), 'Road': (_ASPHALT, 'lanes 2'),
-    'Runway': (_ASPHALT, 'lanes 2'), 'Secondary': (_ASPHALT, 'lane'),
-    'Steps': ((0.5, 0.5, 0.48), 'steps'), 'Tertiary': (_ASPHALT, 'lanes 2'),
-    'Trunk': (_ASPHALT, 'lanes 4'), 'WindowFrame': ((0.8, 0.8, 0.8), 'frame'),
-    'Wood': ((0.74, 0.65, 0.64), 'wood'), 'WoodFloor': ((0.55, 0.4, 0.27), 'planks'),
-    'WoodPallet': ((0.54, 0.38, 0.18), 'planks')}
+# the mean colors of their textures, which are not a part of this package
+_MEANS: Dict[str, Sequence[float]] = {
+    'Bricks': (0.562, 0.378, 0.37), 'BuildingFrame': (0.64, 0.64, 0.64),
+    'CeilingTiled': (0.918, 0.918, 0.918), 'CloudySky': (0.678, 0.736, 0.994),
+    'CoM': (0.5, 0.5, 0.5), 'Footway': (0.583, 0.582, 0.53), 'Grass': (0.246, 0.48, 0.053),
+    'GreyGradientSky': (0.6, 0.6, 0.6), 'Lane_1': (0.483, 0.457, 0.418),
+    'Lanes_2': (0.412, 0.411, 0.404), 'Lanes_4': (0.486, 0.459, 0.419),
+    'Lanes_6': (0.411, 0.406, 0.396), 'Motorway': (0.411, 0.406, 0.396),
+    'PaintedWall': (0.898, 0.772, 0.463), 'Pedestrian': (0.583, 0.582, 0.53),
+    'Primary': (0.412, 0.411, 0.404), 'Residential': (0.476, 0.452, 0.424),
+    'Road': (0.412, 0.411, 0.404), 'Runway': (0.403, 0.403, 0.388),
+    'Secondary': (0.483, 0.457, 0.418), 'Steps': (0.47, 0.47, 0.47),
+    'Tertiary': (0.476, 0.452, 0.424), 'Trunk': (0.486, 0.459, 0.419),
+    'WindowFrame': (0.8, 0.8, 0.8), 'Wood': (0.763, 0.506, 0.266),
+    'WoodFloor': (0.54, 0.25, 0.05), 'WoodPallet': (0.542, 0.383, 0.184)}
 _SIGN_COLOR: Color = (0.05, 0.35, 0.2, 1.0)
 
 
 def named(name: str) -> Optional[Material]:
     """Return the material that Gazebo gives that name, like Gazebo/Blue; None if it has none.
 
-    >>> named('Gazebo/Bricks').pattern, named('Gazebo/Plaid')
-    ('bricks', None)
+    >>> named('Gazebo/Blue').color, named('Gazebo/Plaid')
+    ((0.0, 0.0, 1.0, 1.0), None)
     """
     if name == _SIGN:
         return Material(_SIGN_COLOR)
     if not name.startswith(_PREFIX):
         return None
     name = name[len(_PREFIX):]
-    color, pattern = _PATTERNED.get(name, (_COLORS.get(name, ()), ''))
+    color = _COLORS.get(name) or _MEANS.get(name)
     if not color:
         return None
     red, green, blue, opacity = (float(value) for value in [*color, 1.0][:4])
-    return Material((red, green, blue, opacity), pattern=pattern)
+    return Material((red, green, blue, opacity))

@@ -23,7 +23,7 @@ def of_sdf(visual: ElementTree.Element, find: FindFile) -> Tuple[Optional[Materi
     material, missing = _scripted(visual, find)
     ambient, diffuse = _given_color(visual, 'ambient'), _given_color(visual, 'diffuse')
     if material is not None:
-        is_plain = not material.texture and not material.pattern
+        is_plain = not material.texture
         if diffuse is not None:
             material = material._replace(color=diffuse if is_plain else _product(
                 material.color, diffuse))

@@ -9,7 +9,7 @@ from img_recog import textures
 from img_recog.errors import one_line
 from img_recog.mesh_file import MeshError, Triangles
 from img_recog.model import Shape, Visual, VisualScene
-from img_recog.rendering import patterns, prepared, shaders, triangles
+from img_recog.rendering import prepared, shaders, triangles
 from img_recog.rendering.file_cache import FileCache
 
 _NO_TEXTURE = -1
@@ -145,9 +145,6 @@ class Loader:
         """Return color and image of triangles: the material's, or those of the file."""
         material = visual.material
         if material is not None and not (visual.prefers_file and part.has_material):
-            if material.pattern and part.uvs.any():
-                return (*_WHITE, material.color[3]), patterns.image(material.pattern,
-                                                                    material.color)
             return material.color, self._image(
                 material.texture, self._cutouts if material.is_cutout else self._images)
         image = self._image(part.texture, self._images)

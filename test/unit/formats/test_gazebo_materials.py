@@ -1,11 +1,7 @@
 """The materials of Gazebo 11's gazebo.material, all of them."""
-import zlib
-
-import numpy as np
 import pytest
 
 from img_recog.formats import gazebo_materials
-from img_recog.rendering import patterns
 
 NAMES = '''
 Grey DarkGrey White FlatBlack Black Red RedBright Green Blue SkyBlue Yellow ZincYellow DarkYellow
@@ -22,22 +18,9 @@ XYZPoints LaserScan1st LaserScan2nd Gray DarkGray WindowFrame'''.split()
 
 
 @pytest.mark.parametrize('name', ['Gazebo/' + name for name in NAMES] + ['drc/san_fauxcity_sign'])
-def test_every_material_has_a_color_or_a_pattern(name):
+def test_every_material_has_a_color(name):
     material = gazebo_materials.named(name)
     assert 0 <= min(material.color) and max(material.color) <= 1 and material.color[3] > 0
-    if material.pattern:
-        image = patterns.image(material.pattern, material.color)
-        assert image.std() > 1      # it is not plain
-        assert image.mean(axis=(0, 1)) == pytest.approx(np.array(material.color[:3]) * 255,
-                                                        rel=0.1)
-        assert patterns.image(material.pattern, material.color) is image
-
-
-def test_every_color_is_as_it_was():
-    # worlds of others look like under Gazebo by these numbers
-    found = ['{} {:.4f} {:.4f} {:.4f} {:.4f} {}'.format(name, *material.color, material.pattern)
-             for name in NAMES for material in [gazebo_materials.named('Gazebo/' + name)]]
-    assert zlib.crc32('\n'.join(found).encode()) == 1995654331
 
 
 @pytest.mark.parametrize('name', ['Gazebo/Plaid', 'Grey', 'Shop/Grey', ''])

@@ -70,13 +70,6 @@ def test_transparency_counts_for_the_material_of_a_mesh(seen):
     assert seen('<transparency>1</transparency>', (0, 0)) == [[128, 64, 191]]
 
 
-def test_a_pattern_needs_texture_coordinates(seen):
-    places = [(x / 40, 0.1) for x in range(-20, 20)]
-    assert np.ptp(seen(SCRIPT.format('Gazebo/Bricks'), *places), axis=0).max() > 20
-    assert seen(SCRIPT.format('Gazebo/Bricks'), (0, 0), mesh='a.obj')[0] == pytest.approx(
-        [143, 97, 94], abs=2)
-
-
 @pytest.mark.parametrize('how, behind', [
     ('alpha_rejection greater 128', True), ('scene_blend alpha_blend', True),
     ('alpha_rejection always_pass', False)])
