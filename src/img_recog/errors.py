@@ -38,6 +38,16 @@ def one_line(error: object) -> str:
                      MAX_LINE if isinstance(error, UserError) else MAX_FOREIGN)
 
 
+def counted(number: int, noun: str) -> str:
+    """Return a number with its noun, in the plural unless it is 1.
+
+    >>> counted(1, 'set of colors'), counted(0, 'frame')
+    ('1 set of colors', '0 frames')
+    """
+    first, of, rest = noun.partition(' of ')
+    return '{} {}{}{}'.format(number, first, '' if number == 1 else 's', of + rest)
+
+
 def suggestion(name: str, known: Iterable[str]) -> str:
     """Return a question for the most similar of the known names, empty if none is similar.
 

@@ -1,7 +1,7 @@
 """Reads XML and YAML that others wrote: what a parser cannot take is one error, with one line."""
 import re
 import xml.etree.ElementTree as ElementTree
-from typing import Any, List, Match, NamedTuple, Optional, Tuple, Union
+from typing import Any, Dict, List, Match, NamedTuple, Optional, Set, Tuple, Union
 from xml.parsers import expat
 
 from img_recog.errors import UserError, one_line, shortened
@@ -24,6 +24,7 @@ _ATTRIBUTE = re.compile(r'\s*([^\s<>/="\']+)\s*=\s*'
                         r'(?:"([^"]*)"|\'([^\']*)\'|([^\s/>"\']+)(?=[\s/>]))')
 _END_OF_TAG = re.compile(r'\s*(/?)>')
 _BARE_AMPERSAND = re.compile('&(?!(?:amp|lt|gt|quot|apos|#[0-9]+|#x[0-9a-fA-F]+);)')
+_MERGE = '<<'            # a key of YAML that takes over those of another mapping
 _CONTROL = re.compile('[\x01-\x08\x0b\x0c\x0e-\x1f]')
 
 
@@ -247,7 +248,12 @@ def load_yaml(text: bytes) -> Any:
     """
     import yaml  # takes time, and few need it
     try:
-        return yaml.safe_load(text)
+        loader = yaml.SafeLoader(text)
+        node = loader.get_single_node()
+        _refuse_twice(node, set())
+        return None if node is None else loader.construct_document(node)
+    except MarkupError:
+        raise
     except RecursionError:
         raise MarkupError('nested too deeply')
     except yaml.MarkedYAMLError as error:
@@ -257,3 +263,21 @@ def load_yaml(text: bytes) -> Any:
     # PyYAML's constructors raise nearly everything: for !!int "" an IndexError
     except Exception as error:
         raise MarkupError(one_line(error))
+
+
+def _refuse_twice(node: Any, known: Set[int]) -> None:
+    """Raise MarkupError if a mapping of YAML has a key twice: PyYAML would take the last one."""
+    if id(node) in known or not isinstance(getattr(node, 'value', None), list):
+        return
+    known.add(id(node))     # by an alias, it may be in many places
+    lines: Dict[Tuple[str, str], int] = {}
+    for each in node.value:
+        parts = each if isinstance(each, tuple) else (each,)
+        if len(parts) > 1 and isinstance(parts[0].value, str) and parts[0].value != _MERGE:
+            key, line = (parts[0].tag, parts[0].value), parts[0].start_mark.line + 1
+            if key in lines:
+                raise MarkupError('{} is given twice, in lines {} and {}'.format(
+                    shortened(parts[0].value), lines[key], line))
+            lines[key] = line
+        for part in parts:
+            _refuse_twice(part, known)

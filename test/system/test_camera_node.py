@@ -67,7 +67,7 @@ def test_suspended_camera_opens_its_source_on_start_capture(roscore, services, t
     (tmp_path / 'later').mkdir()
     assert cv2.imwrite(str(tmp_path / 'later' / '0.png'), np.zeros((8, 8, 3), np.uint8))
     services.call('/usb_cam/start_capture', {})
-    camera.wait_output(r'camera: folder .*/later of 1 images, 8x8')
+    camera.wait_output(r'camera: folder .*/later of 1 image, 8x8')
     assert camera.interrupt() == 0
 
 

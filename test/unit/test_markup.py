@@ -202,3 +202,20 @@ def test_yaml_that_is_too_deep_for_python():
 def test_an_error_of_yaml_has_its_place():
     problem = refusal(markup.load_yaml, b'- name: a\n  x_pos: [1, 2\n')
     assert problem.startswith('no YAML, line 3, column 1: ') and 'expected' in problem, problem
+
+
+@pytest.mark.parametrize('text, problem', [
+    (b'a: 1\nb: 2\n"a": 3\n', 'a is given twice, in lines 1 and 3'),
+    (b'- {x: 1, x: 1}\n', 'x is given twice, in lines 1 and 1'),
+    (b'b: &b {c: {d: 1}}\ne: [*b, {c: 1,\n c: 2}]\n', 'c is given twice, in lines 2 and 3')])
+def test_a_key_of_yaml_that_is_given_twice_is_named(text, problem):
+    assert refusal(markup.load_yaml, text) == problem
+
+
+@pytest.mark.parametrize('text, content', [
+    (b'1: a\n"1": b\n', {1: 'a', '1': 'b'}),
+    (b'a: &a {x: 1, y: 2}\nb: {<<: *a, x: 3}\nc: *a\n',
+     {'a': {'x': 1, 'y': 2}, 'b': {'x': 3, 'y': 2}, 'c': {'x': 1, 'y': 2}}),
+    (b'- a\n- a\n', ['a', 'a']), (b'', None), (b'7', 7)])
+def test_yaml_without_a_key_that_is_given_twice(text, content):
+    assert markup.load_yaml(text) == content

@@ -8,12 +8,16 @@ import numpy as np
 from img_recog import still_images
 from img_recog.camera.source import (FrameSkipped, FrameSource, SourceEnded, SourceError,
                                      SourceTooLarge, convert)
-from img_recog.errors import one_line, shortened
+from img_recog.errors import counted, one_line, shortened
 from img_recog.still_images import DEFAULT_MAX_PIXELS, ImageTooLarge
 
 # A file of another name is an image by its content; one of these is, even if it is damaged.
 EXTENSIONS = ('.bmp', '.j2k', '.jp2', '.jpeg', '.jpg', '.pbm', '.pgm', '.png', '.pnm', '.ppm',
               '.ras', '.sr', '.tif', '.tiff', '.webp')
+# The same of videos. Cameras have live streams of the second names, too.
+VIDEO_EXTENSIONS = ('.3gp', '.avi', '.f4v', '.m2ts', '.m4v', '.mkv', '.mov', '.mp4', '.mpeg',
+                    '.mpg', '.mts', '.mxf', '.nut', '.ogv', '.vob', '.webm', '.wmv', '.y4m')
+VIDEO_OR_LIVE_EXTENSIONS = '.asf', '.flv'
 
 _JPEG_VIDEOS = ('.mjpeg', '.mjpg')
 _START_OF_SCAN = 0xda       # a marker of JPEG
@@ -53,14 +57,14 @@ class FolderSource(FrameSource):
         self.name, self._loop, self._max_pixels = path, loop, max_pixels
         self._paths, left_out = files_in(path, is_image)
         self.expected_frames = len(self._paths)
-        first = self._first_image()
+        first = self._first_image(left_out)
         if left_out:
             warn(left_out)
         self.height, self.width = first.shape[:2]
         self.rate_hz = self.expected_hz = rate_hz
         self._next_index = self._good_count = 0
-        self.description = 'folder {} of {} images, {}x{}, {:g} Hz, played {}'.format(
-            path, len(self._paths), self.width, self.height, rate_hz,
+        self.description = 'folder {} of {}, {}x{}, {:g} Hz, played {}'.format(
+            path, counted(len(self._paths), 'image'), self.width, self.height, rate_hz,
             'in a loop' if loop else 'once')
 
     def read(self) -> np.ndarray:
@@ -86,9 +90,10 @@ class FolderSource(FrameSource):
         self._good_count += 1
         return convert(image, self.encoding)
 
-    def _first_image(self) -> np.ndarray:
+    def _first_image(self, left_out: str) -> np.ndarray:
         refused = SourceError(
-            'cannot open {}: there is no image in it that can be read'.format(self.name),
+            'cannot open {}: there is no image in it that can be read{}'.format(
+                self.name, left_out and '; ' + left_out),
             'set video_device to a folder with images, or to synthetic')
         for path in self._paths:
             try:
@@ -115,8 +120,9 @@ def files_in(folder: str, is_wanted: Callable[[str], bool]) -> Tuple[List[str], 
     found = [name for name in names if os.path.isfile(os.path.join(folder, name))
              and is_wanted(os.path.join(folder, name))]
     others = sorted(set(names).difference(found))
-    return [os.path.join(folder, name) for name in found], '{} of {} in {} left out: {}'.format(
-        len(others), len(names), folder, shortened(', '.join(others))) if others else ''
+    return [os.path.join(folder, name) for name in found], (
+        '{} of {} entries of the folder {} left out: {}'.format(
+            len(others), len(names), folder, shortened(', '.join(others))) if others else '')
 
 
 def is_image(path: str) -> bool:

@@ -6,7 +6,7 @@ import numpy as np
 
 from img_recog.camera import urls
 from img_recog.camera.decoder import Decoder, open_decoder, released_on_error
-from img_recog.camera.image_source import EXTENSIONS, ImageSource
+from img_recog.camera.image_source import EXTENSIONS, VIDEO_EXTENSIONS, ImageSource
 from img_recog.camera.settings import CameraSettings
 from img_recog.camera.source import (FrameSkipped, FrameSource, SourceError, SourceTooLarge,
                                      check_size)
@@ -17,8 +17,6 @@ from img_recog.still_images import DEFAULT_MAX_PIXELS
 _OPEN_TIMEOUT_S, _READ_TIMEOUT_S = 5.0, 2.0
 # Longer than for a camera: servers may send whole groups of pictures (GOP) at once.
 _STALL_TIMEOUT_S = 1.8
-# Videos whose container does not state the frame count, such as a recording by a browser.
-_VIDEO_EXTENSIONS = ('.avi', '.m4v', '.mkv', '.mov', '.mp4', '.mpeg', '.mpg', '.ogv', '.webm')
 
 
 def open_url(settings: CameraSettings, warn: Callable[[str], None]) -> FrameSource:
@@ -38,9 +36,9 @@ def open_url(settings: CameraSettings, warn: Callable[[str], None]) -> FrameSour
                           .format(name, _OPEN_TIMEOUT_S), 'is its server running?')
     with released_on_error(decoder):
         is_http = scheme.startswith('http')     # the other protocols send at the video's rate
-        # the frame count of a video is known, that of a live stream is not
+        # the frame count of a live stream is not known, nor that of some videos, as of a browser
         count = decoder.frame_count
-        if is_http and (count > 1 or urls.ends_with(url, _VIDEO_EXTENSIONS)):
+        if is_http and (count > 1 or urls.ends_with(url, VIDEO_EXTENSIONS)):
             return RemoteVideoSource(url, decoder, settings.loop, warn, max_pixels=max_pixels)
         stream = StreamSource(name, decoder, announces_rate=not is_http, max_pixels=max_pixels)
         if is_http and (count == 1 or urls.ends_with(url, EXTENSIONS)):

@@ -1,12 +1,12 @@
 """Recordings as users name them: films, bags and images, also by folders and patterns."""
 import argparse
 import glob
-import mimetypes
 import os
 from typing import Callable, List, Sequence
 
 from img_recog import still_images
-from img_recog.camera.image_source import files_in, is_image
+from img_recog.camera.image_source import (VIDEO_EXTENSIONS, VIDEO_OR_LIVE_EXTENSIONS, files_in,
+                                           is_image)
 from img_recog.camera.selection import open_file
 from img_recog.camera.source import SourceError, SourceTooLarge
 from img_recog.errors import UserError, shortened
@@ -14,6 +14,7 @@ from img_recog.errors import UserError, shortened
 DEFAULT_TOPICS = ('/usb_cam/image_raw', '/usb_cam/image_raw/compressed')
 _ADVICE = 'give films, bags or images, folders with them, or patterns like "*.bag"'
 _MAGIC, _BAG = b'#ROSBAG', '.bag'
+_FILMS = VIDEO_EXTENSIONS + VIDEO_OR_LIVE_EXTENSIONS
 
 
 def add_to(parser: argparse.ArgumentParser) -> None:
@@ -66,8 +67,7 @@ def is_bag(path: str) -> bool:
 
 def _is_recording(path: str) -> bool:
     # by its name, so that one that is damaged is not left out but named as such
-    kind = mimetypes.guess_type(path)[0] or ''
-    if is_image(path) or path.endswith(_BAG) or kind.startswith('video/'):
+    if is_image(path) or path.lower().endswith(_FILMS) or path.endswith(_BAG):
         return True
     try:
         open_file(path, 1.0, loop=False).close()

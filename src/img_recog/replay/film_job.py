@@ -16,7 +16,7 @@ from visualization_msgs.msg import MarkerArray
 from img_recog import files, still_images
 from img_recog.conversions import plane_msgs
 from img_recog.conversions.plane_msgs import MAX_NUMBER, PoseError
-from img_recog.errors import UserError
+from img_recog.errors import UserError, counted
 from img_recog.option_types import allowed
 from img_recog.recordings.bags import BagFrames, check_bag
 from img_recog.recordings.frames import SECOND_NS, WANTED
@@ -58,7 +58,8 @@ def _make(arguments: List[str], interrupts: Interrupts) -> str:
         with progress:
             end_s, images = _fill(film, messages, frames, progress)
         film.close(end_s)
-    return '{}: {:.1f} s, {} images of {}'.format(output, end_s, images, frames.topic)
+    return '{}: {:.1f} s, {} of {}'.format(
+        output, end_s, counted(images, 'image'), frames.topic)
 
 
 def _frames(path: str, options: argparse.Namespace) -> BagFrames:

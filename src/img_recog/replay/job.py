@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Callable, List, Optional, Sequence, Tuple, Uni
 from tqdm import tqdm
 
 from img_recog import files
-from img_recog.errors import UserError
+from img_recog.errors import UserError, counted
 from img_recog.recognition.settings import RecognitionSettings
 from img_recog.recordings import names
 from img_recog.recordings.films import FilmFrames
@@ -86,8 +86,8 @@ def replay(options: argparse.Namespace, painter: Painter, begin_s: float,
         with progress:
             end_ns = loop.run(progress)
         loop_s = time.perf_counter() - start_s
-        painter.begin('Replay of {}, {} frames, in the world {}'.format(
-            os.path.basename(options.input) or "the robot's camera", plot.frames,
+        painter.begin('Replay of {}, {}, in the world {}'.format(
+            os.path.basename(options.input) or "the robot's camera", counted(plot.frames, 'frame'),
             os.path.basename(options.world)),
                       plot.data(end_ns / SECOND_NS, footprints(simulator.world)))
         bag.close()
@@ -131,9 +131,9 @@ def _recognition(options: argparse.Namespace
 
 def _summary(frames: int, simulated_s: float, loop_s: float, whole_s: float, motion: Motion,
              paths: Sequence[str]) -> str:
-    return ('{} frames, {:.3f} s simulated in {:.2f} s, {:.1f} times real time ({:.2f} s with '
+    return ('{}, {:.3f} s simulated in {:.2f} s, {:.1f} times real time ({:.2f} s with '
             'world and plot); the robot ends at x {:.3f} m, y {:.3f} m, yaw {:.3f} rad; wrote {}'
-            .format(frames, simulated_s, loop_s, simulated_s / loop_s, whole_s,
+            .format(counted(frames, 'frame'), simulated_s, loop_s, simulated_s / loop_s, whole_s,
                     motion.position[0], motion.position[1], motion.yaw, ', '.join(paths)))
 
 

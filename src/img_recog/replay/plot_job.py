@@ -12,7 +12,7 @@ from tqdm import tqdm
 
 from img_recog import files, timed_xmlrpc
 from img_recog.bag_recording import BagRecording
-from img_recog.errors import UserError, one_line, shortened
+from img_recog.errors import UserError, counted, one_line, shortened
 from img_recog.option_types import allowed
 from img_recog.recognition import parameter_file
 from img_recog.recognition.settings import RecognitionSettings
@@ -64,8 +64,9 @@ def _make(arguments: List[str], _: Interrupts) -> str:
         if warning:
             _log.warning('the picture does not show %s', warning)
         ReplayFigure().draw(file, 'Drive of {}, {:.1f} s'.format(title, data.end_s), data)
-    return '{}: {:.1f} s, {} poses, {} commands'.format(
-        output, data.end_s, len(data.motion), len(data.commands) + len(data.idle))
+    return '{}: {:.1f} s, {}, {}'.format(
+        output, data.end_s, counted(len(data.motion), 'pose'),
+        counted(len(data.commands) + len(data.idle), 'command'))
 
 
 def _read(path: str, title: str, odometry: str, robot: str, settings: RecognitionSettings

@@ -22,13 +22,18 @@ class _Lines(logging.Formatter):
         return super().formatMessage(logging.makeLogRecord(levels))
 
 
+class Incomplete(str):
+    """The summary of a program that has done a part of its work; its exit code is 1."""
+
+
 def run(name: str, program: Callable[[List[str], Interrupts], str], failed: str,
         words: Optional[Sequence[str]] = None) -> int:
     """Run a program, print the summary that it returns, and return the exit code.
 
     name: of the program, and of its log, which is in the terminal then. An error is one line of
-    it; failed: its beginning, where the system names no file. words: by default those of the
-    command line, also __name:=... and __log:=..., which roslaunch adds.
+    it; failed: its beginning, where the system names no file. An `Incomplete` summary is printed,
+    too. words: by default those of the command line, also __name:=... and __log:=..., which
+    roslaunch adds.
     """
     handler = logging.StreamHandler()
     handler.setFormatter(_Lines(name))
@@ -37,8 +42,9 @@ def run(name: str, program: Callable[[List[str], Interrupts], str], failed: str,
     words = sys.argv[1:] if words is None else words
     try:
         arguments = [word for word in words if not (word.startswith('__') and ':=' in word)]
-        sys.stdout.write(named_in_crashes(' '.join([name, *arguments]), program, arguments,
-                                          interrupts) + '\n')
+        summary = named_in_crashes(' '.join([name, *arguments]), program, arguments, interrupts)
+        sys.stdout.write(summary + '\n')
+        return int(isinstance(summary, Incomplete))
     except UserError as error:
         log.error('%s', one_line(error))
         return 1
@@ -47,7 +53,6 @@ def run(name: str, program: Callable[[List[str], Interrupts], str], failed: str,
         return 1
     except KeyboardInterrupt:
         return 128 + signal.SIGINT
-    return 0
 
 
 def recognition_settings(path: str) -> RecognitionSettings:

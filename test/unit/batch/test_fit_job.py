@@ -102,7 +102,7 @@ def test_bags_times_folders_and_a_check(fit, tmp_path):
     (tmp_path / 's.yaml').write_text(SAMPLES + '- {recording: drive.bag, color: red, '
                                      'not_in_view: [1, 1.35]}\n')
     code, _, log = fit('.', '--check', 'check.yaml')
-    assert code == 1 and log[0] == '2 of 4 in . left out: check.yaml, s.yaml'
+    assert code == 1 and log[0] == '2 of 4 entries of the folder . left out: check.yaml, s.yaml'
     assert 'frame 10 is in the samples of both' in log[1]
     (tmp_path / 'check.yaml').write_text('samples:' + BAG_SAMPLES.replace('[1, 2]', '[1.4, 2]')
                                          .replace('[0, 2]', '[0, 1]'))

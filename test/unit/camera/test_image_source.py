@@ -44,7 +44,8 @@ def test_extensions_of_images(tmp_path, extension):
     (tmp_path / ('d.' + extension)).mkdir()
     found, left_out = files_in(str(tmp_path), is_image)
     assert [os.path.basename(path) for path in found] == ['a.' + extension, 'b.' + extension]
-    assert left_out == '2 of 4 in {} left out: c{}, d.{}'.format(tmp_path, extension, extension)
+    assert left_out == '2 of 4 entries of the folder {} left out: c{}, d.{}'.format(
+        tmp_path, extension, extension)
 
 
 def test_folder_that_cannot_be_read():
@@ -60,7 +61,7 @@ def test_an_image_in_a_folder_is_known_by_its_content_too(tmp_path):
 def test_a_pipe_in_a_folder_is_left_out_unopened(tmp_path):
     os.mkfifo(str(tmp_path / 'a.png'))
     assert files_in(str(tmp_path), is_image) == (
-        [], '1 of 1 in {} left out: a.png'.format(tmp_path))
+        [], '1 of 1 entries of the folder {} left out: a.png'.format(tmp_path))
 
 
 def test_a_format_that_opencv_has_switched_off_is_no_image(tmp_path):

@@ -116,7 +116,7 @@ def test_what_is_left_out_of_a_folder_is_said(tmp_path):
     (tmp_path / 'film.mp4').write_bytes(b'x')
     (tmp_path / 'more').mkdir()
     open_source(settings, warn=lines.append)
-    assert lines == ['2 of 3 in {} left out: film.mp4, more'.format(tmp_path)]
+    assert lines == ['2 of 3 entries of the folder {} left out: film.mp4, more'.format(tmp_path)]
 
 
 @pytest.mark.parametrize('is_video', [False, True])

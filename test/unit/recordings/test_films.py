@@ -40,7 +40,7 @@ def test_a_folder_is_what_the_node_shows_of_it(tmp_path, rate_hz):
     assert [frame.number for frame in seen] == [1, 2, 4, 5] and frames.expected == 6
     assert frames.period_ns == round(1e9 / rate_hz)
     assert frames.warnings == [
-        '1 of 7 in {} left out: film.mp4'.format(tmp_path),
+        '1 of 7 entries of the folder {} left out: film.mp4'.format(tmp_path),
         '2 of 6 images cannot be used; the first is cannot read the image {}/0.png'.format(
             tmp_path)]
 
@@ -53,6 +53,10 @@ def test_a_picture_is_one_frame(tmp_path):
     assert (frame.image[..., ::-1] == smooth_image(3)).all() and frames.expected == 1
 
 
-def test_a_folder_without_pictures_is_refused(tmp_path):
-    with pytest.raises(UserError, match='cannot open {}'.format(tmp_path)):
+def test_a_folder_without_pictures_is_refused_and_what_it_has_is_said(tmp_path):
+    for name in ('b.mp4', 'a.mp4'):
+        (tmp_path / name).write_bytes(b'x')
+    with pytest.raises(UserError, match='cannot open {}: there is no image in it that can be read; '
+                       '2 of 2 entries of the folder .* left out: a.mp4, b.mp4; give a video'
+                       .format(tmp_path)):
         FilmFrames(str(tmp_path))

@@ -34,7 +34,7 @@ def films(tmp_path_factory):
 def found_in(folder, *left_out):
     lines = []
     paths = expand([str(folder)], lines.append)
-    assert lines == (['{} of {} in {} left out: {}'.format(
+    assert lines == (['{} of {} entries of the folder {} left out: {}'.format(
         len(left_out), len(left_out) + len(paths), folder, ', '.join(left_out))]
         if left_out else [])
     return [os.path.basename(path) for path in paths]

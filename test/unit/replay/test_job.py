@@ -146,7 +146,7 @@ def test_a_folder_of_pictures_is_replayed_at_a_rate(run, tmp_path, caplog):
     code, text, _ = run('pictures/', '--world', 'empty', '--framerate', '4')
     assert code == 0 and text.startswith('2 frames, 0.500 s simulated')
     assert caplog.messages == [
-        '1 of 4 in pictures/ left out: notes.txt',
+        '1 of 4 entries of the folder pictures/ left out: notes.txt',
         '1 of 3 images cannot be used; the first is image pictures/c.png is 96x64 in a folder of '
         '64x64']
 

@@ -102,7 +102,7 @@ def test_a_picture_of_a_bag(path, plot, tmp_path):
 
 def test_a_bag_with_odometry_alone_and_without_slashes(plot, tmp_path):
     path, out = write(tmp_path / 'in.bag', ('odom', odometry(1.0, 2.0), 10.0)), tmp_path / 'o.png'
-    assert plot(path, out) == (0, '{}: 0.0 s, 1 poses, 0 commands\n'.format(out), '')
+    assert plot(path, out) == (0, '{}: 0.0 s, 1 pose, 0 commands\n'.format(out), '')
 
 
 def test_one_of_several_robots(plot, tmp_path):
@@ -185,7 +185,7 @@ def test_the_running_system(plot, running, tmp_path, monkeypatch, parameters, wo
     (tmp_path / 'mine.yaml').write_text('blue_area_limit: 9\n')
     drawn, topics, ticks = running(parameters)
     code, out, log = plot('out.png', '--robot', 'tb3', *words)
-    assert (code, out) == (0, 'out.png: 0.5 s, 1 poses, 0 commands\n')
+    assert (code, out) == (0, 'out.png: 0.5 s, 1 pose, 0 commands\n')
     assert log.startswith(warning) and bool(log) == bool(warning)
     assert len(ticks) == (1 if words else 3)
     assert topics == ['/tb3/odom', '/tb3/cmd_vel', '/tb3/color_detection',
