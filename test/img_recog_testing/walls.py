@@ -5,8 +5,8 @@ import pathlib
 PURE = ('camera', 'formats', 'recognition', 'rendering', 'simulation', 'teleoperation')
 GROUND_FLOOR = ('bag_recording', 'errors', 'files', 'helper_process', 'launch_output', 'lenses',
                 'markup', 'mesh_file', 'mesh_formats', 'messages', 'model', 'new_package',
-                'option_types', 'process_tree', 'resources', 'robot_file', 'rotations', 'settings',
-                'signals', 'still_images', 'textures', 'timed_xmlrpc')
+                'option_types', 'process_tree', 'resources', 'results', 'robot_file', 'rotations',
+                'settings', 'signals', 'still_images', 'textures', 'timed_xmlrpc')
 # the rooms of simulation/, from the lowest to the highest: none imports one above it
 SIMULATION_ROOMS = ('settings', 'physics', 'sensors', 'carrier', 'vehicle', 'simulator',
                     'pictures', 'models', 'figures', 'places', 'pacing', 'assembly')
@@ -38,7 +38,7 @@ ALLOWED = {
     'mesh_file': ('errors', 'files', 'mesh_formats', 'model', 'textures'),
     'mesh_formats': ('files', 'model'),
     'files': ('errors',), 'settings': ('errors',),
-    'resources': ('errors', 'files'),
+    'resources': ('errors', 'files'), 'results': ('errors',),
     'robot_file': ('errors', 'files', 'markup'), 'still_images': ('errors', 'settings'),
     'ros': ('errors', 'settings', 'timed_xmlrpc'),
     'conversions': PURE + ('errors', 'rotations', 'settings', 'still_images'),

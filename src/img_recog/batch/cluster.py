@@ -231,6 +231,6 @@ def _done(piece: Piece, future: Any) -> Done:
         return Done(piece, *future.result())
     except KilledWorker:
         return Done(piece, b'', 'each worker that ran it has crashed or was killed: a library '
-                    'cannot read its files, or it needs more memory than there is')
+                    'cannot read its files, or it needs more memory than there is', True)
     except Exception as error:      # of Dask: an argument that cannot be sent
         return Done(piece, b'', '{}: {}'.format(type(error).__name__, one_line(error)))

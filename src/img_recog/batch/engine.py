@@ -43,6 +43,17 @@ class Outcomes:
         """Take pieces with the names of their results, and the problems by `_source`."""
         self._work, self._named, self._problems = work, named, problems
 
+    def problems(self) -> Iterator[Tuple[str, str]]:
+        """Yield the key and the problem of each piece that has one; no result is read."""
+        for piece, name in self._named:
+            problem = self._problems.get(_source(piece, name))
+            if problem is not None:
+                yield piece.key, problem
+
+    def remove(self) -> None:
+        """Remove the results."""
+        self._work.remove()
+
     def __iter__(self) -> Iterator[Outcome]:
         for piece, name in self._named:
             problem = self._problems.get(_source(piece, name))
@@ -71,9 +82,9 @@ class Engine:
 
         A UserError, or any other exception, of a piece is its outcome.
         folder: for the results meanwhile. It is removed at the end of the `with`, and stays if
-        that is left by an exception or a piece has failed; with options.resume, its results are
-        used, else they are removed. unit: of the size of the pieces, for the progress. known:
-        what has run already.
+        that is left by an exception, or a piece may succeed another time; with options.resume, its
+        results are used, else they are removed. unit: of the size of the pieces, for the
+        progress. known: what has run already.
         Raises UserError if the pieces cannot be run or the results not be written.
         """
         work = WorkFolder(folder, function)
@@ -83,8 +94,11 @@ class Engine:
         # a piece is known by itself: several may have the same key
         name_of = {id(piece): name for piece, name in named}
         problems: Dict[_Source, str] = {}
+        is_lost = False
 
         def note(done: Done, name: str) -> None:
+            nonlocal is_lost
+            is_lost = is_lost or done.is_lost
             if done.problem:
                 problems[_source(done.piece, name)] = done.problem
             else:
@@ -97,13 +111,18 @@ class Engine:
             total = sum(piece.size for piece in pieces)
             progress = tqdm(total=total, initial=total - sum(piece.size for piece in waiting),
                             unit=unit, disable=None)
-        with progress, _says_what_is_kept(work, len(pieces)):
-            with contextlib.closing(self._run(function, waiting)) as running:
+        try:
+            with progress, contextlib.closing(self._run(function, waiting)) as running:
                 for done in running:
                     note(done, name_of[id(done.piece)])
                     progress.update(done.piece.size)
+        except (KeyboardInterrupt, SystemExit, UserError):
+            _say_what_is_kept(work, len(pieces))
+            raise
         yield Outcomes(work, named, problems)
-        if not problems:
+        if is_lost:
+            _say_what_is_kept(work, len(pieces))
+        else:
             work.remove()
 
     def _run(self, function: Function, pieces: Sequence[Piece]) -> Generator[Done, None, None]:
@@ -123,13 +142,8 @@ class Engine:
         yield from cluster.completed(self._client, function, pieces, options)
 
 
-@contextlib.contextmanager
-def _says_what_is_kept(work: WorkFolder, count: int) -> Iterator[None]:
-    try:
-        yield
-    except (KeyboardInterrupt, SystemExit, UserError):
-        done = work.count()
-        if done:
-            _log.warning('%d of %d pieces are done and kept in %s; go on with --resume', done,
-                         count, work.path)
-        raise
+def _say_what_is_kept(work: WorkFolder, count: int) -> None:
+    done = work.count()
+    if done:
+        _log.warning('%d of %d pieces are done and kept in %s; go on with --resume', done, count,
+                     work.path)

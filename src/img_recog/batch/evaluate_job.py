@@ -1,6 +1,5 @@
 """The program evaluate: what several sets of colors make of recordings, side by side."""
 import argparse
-import contextlib
 import csv
 import functools
 import logging
@@ -8,12 +7,13 @@ import os
 import re
 from typing import Any, Callable, Dict, List, Sequence
 
-from img_recog import files, resources
-from img_recog.batch import evaluate_report, evaluation, inputs, labels, options, tables
+from img_recog import files, resources, results
+from img_recog.batch import evaluate_report, evaluation, inputs, labels, options
 from img_recog.batch.engine import Engine
 from img_recog.batch.evaluation import ColorSet, Evaluated, Measured, Truth
-from img_recog.batch.work import Function, Piece
-from img_recog.errors import UserError, one_line, shortened, suggestion
+from img_recog.batch.stages import Results, Stages, divide
+from img_recog.batch.work import Piece
+from img_recog.errors import UserError, counted, one_line, shortened, suggestion
 from img_recog.recognition import parameter_file
 from img_recog.recordings import names
 from img_recog.recordings.frames import Remarks
@@ -27,13 +27,10 @@ _log = logging.getLogger('evaluate.py')
 
 def main() -> int:
     """Run the program; return its exit code, 1 if a recording cannot be used."""
-    problems: List[str] = []
-    code = programs.run('evaluate.py', lambda words, interrupts: _main(
-        words, interrupts, problems), 'cannot write')
-    return code or int(bool(problems))
+    return programs.run('evaluate.py', _main, 'cannot write')
 
 
-def _main(words: Sequence[str], interrupts: Interrupts, problems: List[str]) -> str:
+def _main(words: Sequence[str], interrupts: Interrupts) -> str:
     given = _parser().parse_args(words)
     where = options.of(given)
     named = _named([os.path.abspath(path) for path in names.expand(
@@ -41,78 +38,54 @@ def _main(words: Sequence[str], interrupts: Interrupts, problems: List[str]) -> 
     sets = _color_sets(given.colors)
     truth = _read_truth(os.path.expanduser(given.truth), named, sets) if given.truth else {}
     paths = files.output_paths(next(iter(named.values())), os.path.expanduser(given.output),
-                               (*tables.extensions(), '.md', '.png'), 'evaluated')
-    work = re.sub(r'\.csv$', '', paths[0])
-    with Engine(where, interrupts) as engine, contextlib.ExitStack() as stack:
-        stages = _Stages(stack, work, engine, problems)
+                               results.report_extensions(), 'evaluated')
+    with Engine(where, interrupts) as engine, Stages(
+            engine, re.sub(r'\.csv$', '', paths[0]), _log) as stages:
         measured = _measured(stages, named, sets, given.topic, given.max_image_pixels)
         found = _driven(stages, measured, sets, cli.world_name(given.world) if given.world else '')
         with files.atomic_write(paths) as opened:
-            count = len(tables.extensions())
-            tables.write(opened[:count], *evaluate_report.table(sets, found))
-            report, picture = opened[count:]
-            report.write(evaluate_report.markdown(
-                sets, found, truth, problems + stages.remarks).encode())
-            evaluate_report.draw(picture, sets, found)
+            results.write_report(
+                opened, evaluate_report.table(sets, found),
+                evaluate_report.markdown(sets, found, truth, stages.lines()),
+                lambda file: evaluate_report.draw(file, sets, found))
     used, skipped, *_ = functools.reduce(Remarks.plus, (each.measured.remarks for each in found),
                                          Remarks())
-    return '{} of {} recordings, {} frames, {} sets of colors; wrote {}'.format(
-        len(found), len(named), '{} of {}'.format(used, used + skipped) if skipped else used,
-        len(sets), ', '.join(paths))
+    summary = '{} of {}, {}, {}; wrote {}'.format(
+        len(found), counted(len(named), 'recording'),
+        ('{} of '.format(used) if skipped else '') + counted(used + skipped, 'frame'),
+        counted(len(sets), 'set of colors'), ', '.join(paths))
+    return programs.Incomplete(summary) if stages.problems else summary
 
 
-class _Stages:
-    """Runs pieces one stage after the other; their results stay until all is written.
-
-    problems: a line for each recording that cannot be used; remarks: on the others.
-    """
-
-    def __init__(self, stack: contextlib.ExitStack, work: str, engine: Engine,
-                 problems: List[str]):
-        self._stack, self._work, self._engine, self._problems = stack, work, engine, problems
-        self.remarks: List[str] = []
-
-    def run(self, function: Function, pieces: Sequence[Piece], unit: str) -> Dict[str, List[Any]]:
-        """Return the results by recording, whose name is in the key of a piece before the #."""
-        found: Dict[str, List[Any]] = {}
-        bad: List[str] = []
-        for outcome in self._stack.enter_context(self._engine.outcomes(
-                function, pieces, '{}.{}.work'.format(self._work, unit.strip()), unit)):
-            name = outcome.key.rpartition('#')[0]
-            found.setdefault(name, []).append(outcome.value)
-            if outcome.problem and name not in bad:
-                bad.append(name)
-                self._problems.append('{}: {}'.format(name, outcome.problem))
-                _log.error('%s', self._problems[-1])
-        return {name: values for name, values in found.items() if name not in bad}
-
-
-def _measured(stages: _Stages, named: Dict[str, str], sets: Sequence[ColorSet], topic: str,
+def _measured(stages: Stages, named: Dict[str, str], sets: Sequence[ColorSet], topic: str,
               max_pixels: int) -> Dict[str, Measured]:
     """Return what was measured in each recording that can be read to its end, and has images."""
-    parts = stages.run(evaluation.divide, [
-        Piece(name + '#', (topic, max_pixels), (path,)) for name, path in named.items()],
-        ' recordings')
+    divided = stages.run(divide, [
+        Piece(name, (topic, max_pixels), (path,)) for name, path in named.items()], ' recordings')
     measured = stages.run(evaluation.measure, [
-        Piece('{}#{}'.format(name, number), (part, max_pixels),
-              (named[name], *(each.path for each in sets)), part.frames)
-        for name, (divided,) in parts.items() for number, part in enumerate(divided)], ' frames')
-    joined = {name: found[0].joined(found[1:]) for name, found in measured.items()}
-    stages.remarks = ['{}: {}'.format(name, line) for name, each in joined.items()
-                      for line in each.remarks.lines(named[name])]
-    for line in stages.remarks:
-        _log.warning('%s', line)
-    return joined
+        Piece(piece.key, (part, max_pixels), (*piece.files, *(each.path for each in sets)),
+              part.frames) for piece, found in divided for part in found.parts], ' frames')
+    grouped = _grouped(measured)
+    stages.note({name: [each.remarks for each in found] for name, found in grouped.items()})
+    return {name: found[0].joined(found[1:]) for name, found in grouped.items()}
 
 
-def _driven(stages: _Stages, measured: Dict[str, Measured], sets: Sequence[ColorSet],
+def _driven(stages: Stages, measured: Dict[str, Measured], sets: Sequence[ColorSet],
             world: str) -> List[Evaluated]:
     scene = inputs.of_scene(world, resources.burger()) if world else ''
     driven = stages.run(evaluation.drive, [
-        Piece('{}#{}'.format(name, number), (each, number, world, SpawnSettings()),
+        Piece(name, (each, number, world, SpawnSettings()),
               (colors.path, *([world] if os.path.isabs(world) else [])), depends=scene)
         for name, each in measured.items() for number, colors in enumerate(sets)], ' drives')
-    return [Evaluated(name, measured[name], found) for name, found in driven.items()]
+    return [Evaluated(name, measured[name], found) for name, found in _grouped(driven).items()]
+
+
+def _grouped(found: Results) -> Dict[str, List[Any]]:
+    """Return results by recording."""
+    grouped: Dict[str, List[Any]] = {}
+    for piece, value in found:
+        grouped.setdefault(piece.key, []).append(value)
+    return grouped
 
 
 def _named(paths: Sequence[str], forms: Callable[[str], List[str]]) -> Dict[str, str]:

@@ -2,12 +2,12 @@
 import math
 from typing import IO, Any, Dict, Iterator, List, Sequence, Tuple
 
-import matplotlib
 import numpy as np
 from matplotlib.figure import Figure
 
+from img_recog import results
 from img_recog.batch.evaluation import ColorSet, Driven, Evaluated, Truth, score
-from img_recog.batch.report import lines_of_table
+from img_recog.errors import counted
 from img_recog.recognition.commands import Command
 from img_recog.recognition.fitting.score import Score
 from img_recog.recordings.frames import SECOND_NS
@@ -17,9 +17,8 @@ _MAX_ROWS = 12              # recordings in the picture
 _MAX_SPANS = 10             # of frames in which sets of colors differ, in the report
 
 
-def table(sets: Sequence[ColorSet], found: Sequence[Evaluated]
-          ) -> Tuple[List[str], Iterator[Dict[str, Any]]]:
-    """Return the columns of the table, and its rows: one for each frame and set of colors."""
+def table(sets: Sequence[ColorSet], found: Sequence[Evaluated]) -> results.Table:
+    """Return the table: a row for each frame and set of colors."""
     areas = list(dict.fromkeys(color.name + '_px' for each in sets
                                for color in each.settings.colors))
     poses = ['x_m', 'y_m', 'yaw_rad'] if any(
@@ -43,7 +42,7 @@ def table(sets: Sequence[ColorSet], found: Sequence[Evaluated]
                     if poses:
                         row.update(zip(poses, (driven.poses[index].round(6) + 0.0).tolist()))
                     yield row
-    return columns, rows()
+    return results.Table(columns, rows())
 
 
 def _holding(commands: Sequence[Command]) -> Any:
@@ -52,10 +51,10 @@ def _holding(commands: Sequence[Command]) -> Any:
 
 
 def markdown(sets: Sequence[ColorSet], found: Sequence[Evaluated], truth: Truth,
-             problems: Sequence[str]) -> str:
-    """Return the report."""
-    lines = ['# Recordings under {} sets of colors'.format(len(sets)), '']
-    lines += lines_of_table(
+             unused: Sequence[str]) -> str:
+    """Return the report; unused: lines on what could not be used."""
+    lines = ['# Recordings under {}'.format(counted(len(sets), 'set of colors')), '']
+    lines += results.markdown_table(
         ['recording', 'colors', 'frames', 'above the limit', 'with a command', 'end of the path'],
         [[each.name, colors.name, str(len(each.measured.numbers)),
           ', '.join('{} {:.1f} %'.format(color.name, 100 * share) for color, share in zip(
@@ -66,18 +65,16 @@ def markdown(sets: Sequence[ColorSet], found: Sequence[Evaluated], truth: Truth,
          for number, (colors, driven) in enumerate(zip(sets, each.driven))])
     if truth:
         lines += ['', 'Found in the frames of the truth:', '']
-        lines += lines_of_table(['colors', 'color', 'precision', 'recall', 'frames'],
-                                list(_scores(sets, found, truth)))
+        lines += results.markdown_table(['colors', 'color', 'precision', 'recall', 'frames'],
+                                        _scores(sets, found, truth))
     if len(sets) > 1:
         lines += ['', 'Where other colors than {} command something else, the longest first:'
                   .format(sets[0].name), '']
         spans = sorted(_spans(sets, found), key=lambda span: (-span[3], span[:3]))
-        lines += lines_of_table(['recording', 'colors', 'from', 'frames'], [
+        lines += results.markdown_table(['recording', 'colors', 'from', 'frames'], [
             [name, colors, '{:.2f} s'.format(begin_s), str(count)]
             for name, colors, begin_s, count in spans[:_MAX_SPANS]])
-    if problems:
-        lines += ['', 'Not used:', '', *('- ' + problem for problem in problems)]
-    return '\n'.join(lines) + '\n'
+    return '\n'.join([*lines, *unused]) + '\n'
 
 
 def _shares(each: Evaluated, number: int, colors: ColorSet) -> List[float]:
@@ -124,7 +121,7 @@ def draw(file: IO[bytes], sets: Sequence[ColorSet], found: Sequence[Evaluated]) 
     """Write the picture, a PNG: the command of each set over time, and the paths."""
     shown = list(found[:_MAX_ROWS])
     has_paths = any(len(driven.poses) for each in shown for driven in each.driven)
-    with matplotlib.rc_context({**matplotlib.rcParamsDefault, 'font.size': 9.0}):
+    with results.style(9.0):
         figure = Figure(figsize=(_WIDTH_IN, _ROW_IN * max(1, len(shown)) + 0.5), dpi=_DPI)
         axes = figure.subplots(max(1, len(shown)), 1 + has_paths, squeeze=False,
                                gridspec_kw={'width_ratios': [3, 1][:1 + has_paths]})
@@ -145,4 +142,4 @@ def draw(file: IO[bytes], sets: Sequence[ColorSet], found: Sequence[Evaluated]) 
         if shown:
             axes[0][0].legend()
         figure.tight_layout()
-        figure.savefig(file, format='png', metadata={'Software': None})
+        results.write_picture(file, figure)

@@ -74,13 +74,6 @@ class Evaluated(NamedTuple):
     driven: List[Driven]
 
 
-def divide(paths: Sequence[str], topic: str, max_pixels: int) -> List[Part]:
-    """Return the parts of a recording that has a usable image; for the engine."""
-    divided = parts.divide(paths[0], topic, max_pixels=max_pixels)
-    parts.first(paths[0], divided, max_pixels)
-    return divided
-
-
 def measure(paths: Sequence[str], part: Part, max_pixels: int) -> Measured:
     """Return the areas in a part of a recording; for the engine.
 

@@ -2,25 +2,24 @@
 import argparse
 import logging
 import os
-import sys
-from typing import Any, Dict, Iterable, Iterator, List, NamedTuple, Optional, Sequence, Set, Tuple
+from typing import Any, Dict, Iterable, List, NamedTuple, Optional, Sequence, Set, Tuple
 
 from img_recog import files
 from img_recog.batch import fit_pieces
 from img_recog.batch import options as batch_options
-from img_recog.batch.engine import Engine, Outcome
-from img_recog.batch.fit_options import parse
+from img_recog.batch.engine import Engine
 from img_recog.batch.fit_pieces import FIT, Source
-from img_recog.batch.fit_report import Refused, Report
+from img_recog.batch.fit_report import Report
 from img_recog.batch.fit_settings import BaseSettings
+from img_recog.batch.stages import Results, Stages, divide
 from img_recog.batch.work import Piece
-from img_recog.errors import UserError, one_line
+from img_recog.errors import UserError
 from img_recog.recognition.fitting import bounds, sample_file, samples
-from img_recog.recognition.fitting.bounds import Fit
+from img_recog.recognition.fitting.bounds import OBJECTIVES, PIXELS, Fit
 from img_recog.recognition.fitting.histograms import Counter, Histograms, is_by_times, of_color
 from img_recog.recognition.fitting.limits import BLOB_SIZES
 from img_recog.recognition.fitting.samples import SampleError, Samples
-from img_recog.recordings import names, parts
+from img_recog.recordings import names
 from img_recog.recordings.frames import Remarks
 from img_recog.replay import programs
 from img_recog.signals import Interrupts
@@ -29,9 +28,8 @@ _log = logging.getLogger('fit_colors.py')
 
 
 class Recorded(NamedTuple):
-    """A part of a recording; key: its name in reports."""
+    """A part of a recording; path: of the recording."""
 
-    key: str
     path: str
     source: Source
 
@@ -42,7 +40,7 @@ def main(arguments: Optional[Sequence[str]] = None) -> int:
 
 
 def _run(arguments: List[str], interrupts: Interrupts) -> str:
-    options = parse(arguments)
+    options = _parse(arguments)
     paths = names.expand(options.recordings, _log.warning)
     sets = [sample_file.read(path) for path in (options.samples, options.check) if path]
     sets[FIT].check_colors()
@@ -53,18 +51,14 @@ def _run(arguments: List[str], interrupts: Interrupts) -> str:
     if not os.path.isdir(os.path.dirname(options.output) or '.'):
         raise UserError('cannot write {}: no such folder'.format(options.output),
                         'make it, or set --output to another')
-    report = Report(options.output, sets, paths, options.objective)
+    report = Report(options.output, sets, options.objective)
     for path in [*paths, options.samples, options.check, options.colors]:
         for output in report.paths:
             files.refuse_input(output, path, 'read', 'set --output to another')
-    with Engine(batch_options.of(options), interrupts) as engine:
-        fitting = _Fitting(options, sets, paths, engine)
-        summary = fitting.run(report)
-    if fitting.broken:
-        sys.stdout.write(summary + '\n')
-        raise UserError('{} of {} recordings cannot be read, and the others count: {}'.format(
-            len(fitting.broken), len(paths), '; '.join(fitting.broken.values())))
-    return summary
+    with Engine(batch_options.of(options), interrupts) as engine, Stages(
+            engine, options.output, _log) as stages:
+        summary = _Fitting(options, sets, paths, stages).run(report)
+    return programs.Incomplete(summary) if stages.problems else summary
 
 
 def _check_colors(fit: Samples, check: Samples) -> None:
@@ -75,87 +69,58 @@ def _check_colors(fit: Samples, check: Samples) -> None:
 
 
 class _Fitting:
-    """A run of the program.
-
-    broken: why recordings cannot be read; remarks: on the others.
-    """
+    """A run of the program."""
 
     def __init__(self, options: argparse.Namespace, sets: Sequence[Samples],
-                 paths: Sequence[str], engine: Engine):
-        self._options, self._sets, self._engine = options, sets, engine
-        self._paths = paths
-        self.broken: Dict[str, str] = {}
-        self.remarks: List[str] = []
+                 paths: Sequence[str], stages: Stages):
+        self._options, self._sets, self._paths, self._stages = options, sets, paths, stages
         self._base = BaseSettings(options.colors, sets[FIT].colors)
-        self._histograms = Histograms({}, {})
-        self._recorded = list(self._divided(paths))
 
     def run(self, report: Report) -> str:
         """Fit the colors and write the report; return a summary."""
-        with self._outcomes(fit_pieces.count, (), '.count') as counted:
-            try:
-                fits = self._fits(counted)
-            except UserError as error:      # its cause is not how the pieces ran: none is kept
-                failure = error
-            else:
-                candidates = [self._base.candidate({
-                    color: found[min(number, len(found) - 1)].box
-                    for color, found in fits.items()})
-                    for number in range(max(map(len, fits.values())))]
-                # the last one is compared with the result; a new color has none yet
-                candidates.append(self._base.candidate({
-                    color: found[0].box for color, found in fits.items()
-                    if self._base.before(color) is None}))
-                sizes = tuple(sorted({*BLOB_SIZES, self._base.min_blob_size}))
-                with self._outcomes(fit_pieces.measure, (candidates, sizes),
-                                    '.measure') as measured:
-                    try:
-                        return report.write(self._base, fits, sizes, self._recorded,
-                                            self._good(measured), self._histograms, self.broken,
-                                            self.remarks)
-                    except Refused as error:
-                        failure = error
-        raise failure
+        recorded = self._divided()
+        counted = self._stage(fit_pieces.count, recorded, ())
+        with self._stages.judging():
+            histograms = self._summed(counted)
+            fits = {color: self._fits_of(color, histograms) for color in self._sets[FIT].colors}
+        candidates = [self._base.candidate({
+            color: found[min(number, len(found) - 1)].box for color, found in fits.items()})
+            for number in range(max(map(len, fits.values())))]
+        # the last one is compared with the result; a new color has none yet
+        candidates.append(self._base.candidate({
+            color: found[0].box for color, found in fits.items()
+            if self._base.before(color) is None}))
+        sizes = tuple(sorted({*BLOB_SIZES, self._base.min_blob_size}))
+        recorded = [each for each in recorded if each.path not in self._stages.problems]
+        measured = self._stage(fit_pieces.measure, recorded, (candidates, sizes))
+        with self._stages.judging():
+            chosen = report.choose(self._base, fits, sizes, measured, histograms)
+        return report.write(chosen, measured, histograms, self._stages.lines())
 
-    def _divided(self, paths: Sequence[str]) -> Iterator[Recorded]:
-        for path in paths:
-            try:
-                divided = parts.divide(path, self._options.topic,
-                                       max_pixels=self._options.max_image_pixels)
-                first = parts.first(path, divided, self._options.max_image_pixels)
-            except UserError as error:
-                self._note_broken(path, one_line(error))
-                continue
-            of_recording = tuple(each.of(path) for each in self._sets)
-            for number, part in enumerate(divided, 1):
-                source = Source(part, first.stamp_ns, tuple(self._sets), of_recording,
-                                self._options.max_image_pixels)
-                key = path if len(divided) == 1 else '{}, part {} of {}'.format(
-                    path, number, len(divided))
-                yield Recorded(key, path, source)
+    def _divided(self) -> List[Recorded]:
+        max_pixels = self._options.max_image_pixels
+        divided = self._stages.run(divide, [
+            Piece(path, (self._options.topic, max_pixels), (os.path.abspath(path),))
+            for path in self._paths], ' recordings')
+        return [Recorded(piece.key, Source(part, found.start_ns, tuple(self._sets), tuple(
+            each.of(piece.key) for each in self._sets), max_pixels))
+            for piece, found in divided for part in found.parts]
 
-    def _outcomes(self, function: Any, arguments: Tuple[Any, ...], suffix: str) -> Any:
+    def _stage(self, function: Any, recorded: Sequence[Recorded], arguments: Tuple[Any, ...]
+               ) -> Results:
         # workers of a cluster are in other folders
-        pieces = [Piece(each.key, (each.source, *arguments), (os.path.abspath(each.path),),
-                        each.source.part.frames or 1) for each in self._recorded]
-        return self._engine.outcomes(function, pieces, self._options.output + suffix, ' frames')
+        return self._stages.run(function, [
+            Piece(each.path, (each.source, *arguments), (os.path.abspath(each.path),),
+                  each.source.part.frames or 1) for each in recorded], ' frames')
 
-    def _note_broken(self, path: str, problem: str) -> None:
-        if path not in self.broken:
-            self.broken[path] = problem if path in problem else '{}: {}'.format(path, problem)
-
-    def _fits(self, counted: Iterable[Outcome]) -> Dict[str, List[Fit]]:
-        self._histograms = self._summed(counted)
-        return {color: self._fits_of(color) for color in self._sets[FIT].colors}
-
-    def _fits_of(self, color: str) -> List[Fit]:
+    def _fits_of(self, color: str, histograms: Histograms) -> List[Fit]:
         """Return the bounds of a color to choose from; raise UserError if there are none."""
-        if not is_by_times(self._histograms, color):
-            return bounds.fits(color, of_color(self._histograms, color), self._options.objective)
+        if not is_by_times(histograms, color):
+            return bounds.fits(color, of_color(histograms, color), self._options.objective)
         found: List[Fit] = []
         for uses_brightness in (True, False):
             try:
-                found += bounds.fits(color, of_color(self._histograms, color, uses_brightness),
+                found += bounds.fits(color, of_color(histograms, color, uses_brightness),
                                      self._options.objective, by_times=True)
             except UserError as error:
                 problem = error
@@ -163,33 +128,27 @@ class _Fitting:
             raise problem
         return found
 
-    def _summed(self, counted: Iterable[Outcome]) -> Histograms:
+    def _summed(self, counted: Results) -> Histograms:
         """Return the histograms of all recordings that can be read to their end."""
-        for each, outcome in zip(self._recorded, counted):
-            if outcome.problem:
-                self._note_broken(each.path, outcome.problem)
-            elif outcome.value.error:
-                raise SampleError('{}: {}'.format(each.path, outcome.value.error))
+        for piece, found in counted:
+            if found.error:
+                raise SampleError('{}: {}'.format(piece.key, found.error))
         used: List[Set[str]] = [set() for _ in self._sets]
         total = Counter()
-        seen: Dict[str, Remarks] = {}
-        for each, outcome in zip(self._recorded, counted):
-            if each.path not in self.broken:
-                seen[each.path] = seen.get(each.path, Remarks()).plus(outcome.value.remarks)
-                total.add_result(outcome.value.histograms)
-                for number, entries in enumerate(outcome.value.used):
-                    used[number].update(entries)
-        self.remarks = ['{}: {}'.format(path, line) for path, remarks in seen.items()
-                        for line in remarks.lines(path)]
-        for line in self.remarks:
-            _log.warning('%s', line)
+        seen: Dict[str, List[Remarks]] = {}
+        for piece, found in counted:
+            seen.setdefault(piece.key, []).append(found.remarks)
+            total.add_result(found.histograms)
+            for entries, more in zip(used, found.used):
+                entries.update(more)
+        self._stages.note(seen)
         for samples_of, entries in zip(self._sets, used):
             self._check_used(samples_of, entries)
         return total.result()
 
     def _check_used(self, samples_of: Samples, used: Iterable[str]) -> None:
         for name, sample in samples_of.entries:
-            is_lost = any(samples.is_named(path, name) for path in self.broken)
+            is_lost = any(samples.is_named(path, name) for path in self._stages.problems)
             if sample.entry not in used and not is_lost:
                 raise SampleError('{}: {}: {} has no frame {}'.format(
                     samples_of.path, sample.entry, name or self._paths[0],
@@ -197,19 +156,30 @@ class _Fitting:
                     else 'from {:g} s to {:g} s'.format(sample.start_s, sample.end_s)),
                     'frames are counted from 0, and times from the first one')
 
-    def _good(self, outcomes: Iterable[Outcome]) -> Iterable[Tuple[int, Any]]:
-        """Return the values of the recordings that can be read, with the numbers of the parts."""
-        return _Good(self._recorded, outcomes, self.broken)
 
-
-class _Good:
-    """Outcomes without those of broken recordings; can be read several times."""
-
-    def __init__(self, recorded: Sequence[Recorded], outcomes: Iterable[Outcome],
-                 broken: Dict[str, str]):
-        self._recorded, self._outcomes, self._broken = recorded, outcomes, broken
-
-    def __iter__(self) -> Iterator[Tuple[int, Any]]:
-        for number, (each, outcome) in enumerate(zip(self._recorded, self._outcomes)):
-            if each.path not in self._broken and not outcome.problem:
-                yield number, outcome.value
+def _parse(arguments: Sequence[str]) -> argparse.Namespace:
+    """Return the options; paths without a ~."""
+    parser = argparse.ArgumentParser(
+        prog='fit_colors.py', description='Find the bounds of colors that separate them best in '
+        'recordings. Writes a parameter file of color_extract, a report with pictures, and a '
+        'table with a row for each frame.', allow_abbrev=False)
+    names.add_to(parser)
+    parser.add_argument('--samples', metavar='YAML', required=True,
+                        help='where in the recordings the colors are')
+    parser.add_argument('--check', metavar='YAML', default='',
+                        help='samples of other frames, by which the result is only measured')
+    parser.add_argument('--colors', metavar='YAML', default='',
+                        help='parameter file of color_extract: the result keeps all of it but '
+                        'what is fitted, and the report compares both (default: the article\'s '
+                        'colors)')
+    parser.add_argument('--objective', choices=OBJECTIVES, default=PIXELS,
+                        help='what is best: most pixels right; most frames right; or the widest '
+                        'margin for other light (default: %(default)s)')
+    parser.add_argument('--output', metavar='PREFIX', default='fit_colors',
+                        help='beginning of the paths of the results: .yaml, .md, .png, .csv '
+                        '(default: %(default)s)')
+    batch_options.add_to(parser)
+    options = parser.parse_args(arguments)
+    for name in ('samples', 'check', 'colors', 'output'):
+        setattr(options, name, os.path.expanduser(getattr(options, name)))
+    return options

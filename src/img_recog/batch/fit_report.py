@@ -1,14 +1,14 @@
 """What fit_colors.py writes: the parameters, a report with pictures, and a table of the frames."""
-import csv
-import io
 import os
-from typing import Any, Iterable, List, Mapping, NamedTuple, Sequence, Tuple
+from typing import IO, Any, Dict, List, Mapping, NamedTuple, Sequence, Tuple
 
-from img_recog import files
-from img_recog.batch.fit_pieces import CHECK, FIT, Measured
+from img_recog import files, results
+from img_recog.batch.fit_pieces import CHECK, FIT
 from img_recog.batch.fit_result import Choice, Statistics, Worst, rows
 from img_recog.batch.fit_settings import BaseSettings, as_yaml, settings_of
-from img_recog.errors import UserError
+from img_recog.batch.stages import Results
+from img_recog.batch.work import Piece
+from img_recog.errors import UserError, counted
 from img_recog.recognition import tuning_picture
 from img_recog.recognition.areas import bgr_copy
 from img_recog.recognition.fitting import picture
@@ -24,14 +24,9 @@ from img_recog.recordings import parts as reader
 _EXTENSIONS = '.yaml', '.md', '.png', '.csv'
 _SAMPLES = 'fit', 'check'
 _WORST_F1 = 0.9         # of frames, if only times are known; below, bounds are of no use
-_HEAD = ('| color | bounds | | pixels: precision | recall | frames: precision | recall |\n'
-         '|---|---|---|---|---|---|---|\n')
+_HEAD = ('color', 'bounds', '', 'pixels: precision', 'recall', 'frames: precision', 'recall')
 _WEIGHTED = ('Wrong pixels of frames without a color are weighted as if there were not more of '
-             'these frames than of those with it.\n')
-
-
-class Refused(UserError):
-    """Of a color only times are known, and the best bounds do not recognize it in them."""
+             'these frames than of those with it.')
 
 
 class Line(NamedTuple):
@@ -43,29 +38,41 @@ class Line(NamedTuple):
     pixels: Score
     frames: Score
 
-    def text(self) -> str:
-        """Return it as Markdown."""
-        return '| {} |\n'.format(' | '.join([self.color, self.bounds, _SAMPLES[self.chosen],
-                                             *self.pixels.shares, *self.frames.shares]))
+    def cells(self) -> List[str]:
+        """Return it as texts."""
+        return [self.color, self.bounds, _SAMPLES[self.chosen], *self.pixels.shares,
+                *self.frames.shares]
+
+
+class Chosen(NamedTuple):
+    """What was chosen: of each color; size: of the smallest blob; values: the parameters.
+
+    fits: by the names of the colors; lines: how good they are; frames: that were measured.
+    """
+
+    choices: Sequence[Choice]
+    fits: Dict[str, Fit]
+    size: int
+    size_index: int
+    values: Dict[str, Any]
+    lines: Sequence[Line]
+    frames: int
 
 
 class Report:
     """The files of a run; paths: of those that are always written."""
 
-    def __init__(self, prefix: str, sets: Sequence[Samples], recorded: Sequence[str],
-                 objective: str):
-        self._prefix, self._sets, self._recordings = prefix, sets, recorded
+    def __init__(self, prefix: str, sets: Sequence[Samples], objective: str):
+        self._prefix, self._sets = prefix, sets
         self._objective, self._colors = objective, sets[FIT].colors
         self.paths = [prefix + extension for extension in _EXTENSIONS]
 
-    def write(self, base: BaseSettings, fits: Mapping[str, List[Fit]], sizes: Sequence[int],
-              parts: Sequence[Any], measured: Iterable[Tuple[int, Measured]],
-              histograms: Histograms, broken: Mapping[str, str], remarks: Sequence[str]) -> str:
-        """Choose among the fits, write the files, and return a summary.
+    def choose(self, base: BaseSettings, fits: Mapping[str, List[Fit]], sizes: Sequence[int],
+               measured: Results, histograms: Histograms) -> Chosen:
+        """Choose among the fits.
 
-        Raises Refused before it writes.
-        parts: what was measured, with path and source; measured: by the number of the part, can be
-        read several times.
+        Raises UserError if only times are known of a color, and the best bounds do not recognize
+        it in them.
         """
         candidates = max(map(len, fits.values()))
         statistics = Statistics(len(self._colors), candidates + 1, sizes)
@@ -76,24 +83,29 @@ class Report:
         chosen = {color: fits[color][min(choice.candidate, len(fits[color]) - 1)]
                   for color, choice in zip(self._colors, choices)}
         limits = {color: choice.limit.area_px for color, choice in zip(self._colors, choices)}
-        for color, choice in zip(self._colors, choices):
-            if is_by_times(histograms, color):
+        for color, choice, is_timed in zip(self._colors, choices, by_times):
+            if is_timed:
                 _check_frames(color, chosen[color], choice.limit)
         values = base.fitted({color: fit.box for color, fit in chosen.items()}, limits, size)
-        settings = settings_of(values)
-        lines = self._lines(base, statistics, choices, size, candidates)
+        return Chosen(choices, chosen, size, sizes.index(size), values,
+                      self._lines(base, statistics, choices, size, candidates), statistics.frames)
+
+    def write(self, chosen: Chosen, measured: Results, histograms: Histograms,
+              unused: Sequence[str]) -> str:
+        """Write the files, and return a summary; unused: lines of the report."""
+        settings, results_of = settings_of(chosen.values), list(filter(_is_result, chosen.lines))
         with files.atomic_write(self.paths) as (parameters, report, histogram, table):
-            parameters.write(as_yaml(values, self._comment(lines)).encode())
-            worst = self._write_table(table, measured, parts, choices, sizes.index(size))
-            pictures = self._write_worst(worst, parts, settings)
-            figure = picture.draw([picture.profile(color, of_color(histograms, color.name))
-                                   for color in settings.colors if color.name in chosen])
-            figure.savefig(histogram, format='png')
-            report.write(self._text(chosen, settings, lines, pictures, broken,
-                                    remarks, statistics.frames).encode())
+            parameters.write(as_yaml(chosen.values, self._comment(results_of)).encode())
+            worst, pieces = self._write_table(table, measured, chosen)
+            pictures = self._write_worst(worst, pieces, settings)
+            results.write_picture(histogram, picture.draw([
+                picture.profile(color, of_color(histograms, color.name))
+                for color in settings.colors if color.name in chosen.fits]))
+            report.write(self._text(
+                chosen, settings, len({piece.key for piece in pieces}), pictures, unused).encode())
         return '\n'.join([*('{}: {}; {}'.format(
-            line.color, described(chosen[line.color].box), _percent(line)) for line in lines
-            if _is_result(line)), ', '.join(self.paths)])
+            line.color, described(chosen.fits[line.color].box), _percent(line))
+            for line in results_of), ', '.join(self.paths)])
 
     def _lines(self, base: BaseSettings, statistics: Statistics, choices: Sequence[Choice],
                size: int, before: int) -> List[Line]:
@@ -114,75 +126,68 @@ class Report:
     def _comment(self, lines: Sequence[Line]) -> List[str]:
         return ['Fitted by fit_colors.py to {}, objective {}.'.format(
             os.path.basename(self._sets[FIT].path), self._objective),
-            *('{}: {}'.format(line.color, _percent(line)) for line in lines if _is_result(line))]
+            *('{}: {}'.format(line.color, _percent(line)) for line in lines)]
 
-    def _write_table(self, file: io.BufferedRandom, measured: Iterable[Tuple[int, Measured]],
-                     parts: Sequence[Any], choices: Sequence[Choice], size_index: int) -> Worst:
-        """Write the table, and return the worst frames in it."""
-        worst = Worst(len(self._colors))
-        text = io.TextIOWrapper(file, 'utf-8', newline='', write_through=True)
-        table = csv.writer(text, lineterminator='\n')
-        table.writerow(['recording', 'frame', 'time_s', 'samples', *(
-            color + suffix for color in self._colors for suffix in (
-                '_px', '_seen', '_in_view', '_inside_px', '_wrong_px', '_missed_px'))])
-        for number, each in measured:
-            for index, row in enumerate(rows(each, choices, size_index)):
-                used = int(each.chosen[index])
-                cells = []
-                for color, (part, choice) in enumerate(zip(row, choices)):
-                    cells += [part.area_px, int(part.area_px > choice.limit.area_px),
-                              *(('', '', '', '') if used < 0 else (
-                                  '' if part.in_view < 0 else part.in_view, *part.score))]
-                    if used >= 0:
-                        worst.add(color, part, choice.limit, number, index)
-                table.writerow([parts[number].path, int(each.frames[index]),
-                                '{:.6f}'.format(each.times_s[index]),
-                                _SAMPLES[used] if used >= 0 else '', *cells])
-        text.detach()
-        return worst
+    def _write_table(self, file: IO[bytes], measured: Results, chosen: Chosen
+                     ) -> Tuple[Worst, List[Piece]]:
+        """Write the table; return the worst frames in it, and the pieces that they are in."""
+        worst, pieces = Worst(len(self._colors)), []
+        with results.csv_table(file, ['recording', 'frame', 'time_s', 'samples', *(
+                color + suffix for color in self._colors for suffix in (
+                    '_px', '_seen', '_in_view', '_inside_px', '_wrong_px', '_missed_px'))]
+                               ) as table:
+            for piece, each in measured:
+                for index, row in enumerate(rows(each, chosen.choices, chosen.size_index)):
+                    used = int(each.chosen[index])
+                    cells: List[Any] = []
+                    for color, (part, choice) in enumerate(zip(row, chosen.choices)):
+                        cells += [part.area_px, int(part.area_px > choice.limit.area_px),
+                                  *(('', '', '', '') if used < 0 else (
+                                      '' if part.in_view < 0 else part.in_view, *part.score))]
+                        if used >= 0:
+                            worst.add(color, part, choice.limit, len(pieces), index)
+                    table.writerow([piece.key, int(each.frames[index]),
+                                    '{:.6f}'.format(each.times_s[index]),
+                                    _SAMPLES[used] if used >= 0 else '', *cells])
+                pieces.append(piece)
+        return worst, pieces
 
-    def _write_worst(self, worst: Worst, parts: Sequence[Any], settings: RecognitionSettings
+    def _write_worst(self, worst: Worst, pieces: Sequence[Piece], settings: RecognitionSettings
                      ) -> List[Tuple[str, str]]:
         """Draw the worst frames; return the path and the description of each picture."""
         pictures = []
         for number, (color, frame) in enumerate(worst.frames(), 1):
-            part = parts[frame.source]
+            piece = pieces[frame.source]
+            source = piece.arguments[0]
             image = next(each for index, each in enumerate(reader.read(
-                part.path, part.source.part, part.source.max_pixels).read()) if index == frame.row)
+                piece.key, source.part, source.max_pixels).read()) if index == frame.row)
             figure, _ = tuning_picture.draw(bgr_copy(image.image, image.encoding), settings)
             path = '{}_worst_{}.png'.format(self._prefix, number)
             with files.atomic_write([path]) as (file,):
-                figure.savefig(file, format='png', dpi=tuning_picture.DPI)
+                results.write_picture(file, figure)
             pictures.append((path, '{}: frame {} of {}, {} px wrong'.format(
-                self._colors[color], image.number, os.path.basename(part.path), frame.wrong_px)))
+                self._colors[color], image.number, os.path.basename(piece.key), frame.wrong_px)))
         return pictures
 
-    def _text(self, chosen: Mapping[str, Fit], settings: RecognitionSettings,
-              lines: Sequence[Line], pictures: Sequence[Tuple[str, str]],
-              broken: Mapping[str, str], remarks: Sequence[str], frames: int) -> str:
-        """Return the report as Markdown."""
-        parts = ['# Fitted colors\n', 'Samples: {}. Objective: {}. Recordings: {}, with {} frames.'
-                 '\n'.format(', '.join(each.path for each in self._sets), self._objective,
-                             len(self._recordings) - len(broken), frames)]
-        if broken:
-            parts.append('Not read:\n\n' + ''.join(
-                '- {}\n'.format(problem) for problem in broken.values()))
-        if remarks:
-            parts.append('Not used:\n\n' + ''.join('- {}\n'.format(line) for line in remarks))
-        parts.append(_WEIGHTED)
-        parts.append(_HEAD + ''.join(line.text() for line in lines))
-        for color in settings.colors:
-            if color.name in chosen:
-                parts.append('- {}: {}; area limit {} px; the samples may move by {}\n'.format(
-                    color.name, described(Box(color.hue, color.saturation, color.value)),
-                    color.area_limit_px, _margin(chosen[color.name])))
-        parts.append('Groups of fewer than {} pixels are ignored (min_blob_size).\n'.format(
-            settings.min_blob_size))
-        parts.append('![Histograms with the bounds]({})\n'.format(
-            os.path.basename(self.paths[2])))
-        for path, text in pictures:
-            parts.append('{}\n\n![{}]({})\n'.format(text, text, os.path.basename(path)))
-        return '\n'.join(parts)
+    def _text(self, chosen: Chosen, settings: RecognitionSettings,
+              recordings: int, pictures: Sequence[Tuple[str, str]], unused: Sequence[str]
+              ) -> str:
+        """Return the report as Markdown; recordings: how many were used."""
+        lines = ['# Fitted colors', '', 'Samples: {}. Objective: {}. Recordings: {}, with {}.'
+                 .format(', '.join(each.path for each in self._sets), self._objective,
+                         recordings, counted(chosen.frames, 'frame')),
+                 *unused, '', _WEIGHTED, '',
+                 *results.markdown_table(_HEAD, [line.cells() for line in chosen.lines]), '']
+        lines += ['- {}: {}; area limit {} px; the samples may move by {}'.format(
+            color.name, described(Box(color.hue, color.saturation, color.value)),
+            color.area_limit_px, _margin(chosen.fits[color.name]))
+            for color in settings.colors if color.name in chosen.fits]
+        lines += ['', 'Groups of fewer than {} pixels are ignored (min_blob_size).'.format(
+            settings.min_blob_size)]
+        for text, path in [('Histograms with the bounds', self.paths[2]), *(
+                (text, path) for path, text in pictures)]:
+            lines += ['', text, '', '![{}]({})'.format(text, os.path.basename(path))]
+        return '\n'.join(lines) + '\n'
 
 
 def _is_result(line: Line) -> bool:
@@ -198,7 +203,7 @@ def _percent(line: Line) -> str:
 def _check_frames(color: str, fit: Fit, limit: Limit) -> None:
     found, wrong, missed = limit.score
     if limit.score.f1 < _WORST_F1:
-        raise Refused(
+        raise UserError(
             'no bounds separate {}: the best ones, {}, with an area limit of {} px, find it in {} '
             'of {} frames in which it is in view, and in {} in which it is not'.format(
                 color, described(fit.box), limit.area_px, found, found + missed, wrong),

@@ -10,13 +10,13 @@ import shlex
 import time
 from typing import List, Sequence, Tuple
 
-from img_recog import files
-from img_recog.batch import inputs, options, sweep_file, sweep_report, sweep_run, tables
+from img_recog import files, results
+from img_recog.batch import inputs, options, sweep_file, sweep_report, sweep_run
 from img_recog.batch.engine import Engine, Outcome
 from img_recog.batch.sweep_file import Run, Sweep
 from img_recog.batch.sweep_report import Ended
 from img_recog.batch.work import Done, Piece, run_piece
-from img_recog.errors import UserError, suggestion
+from img_recog.errors import UserError, counted, suggestion
 from img_recog.option_types import allowed
 from img_recog.replay import programs
 from img_recog.signals import Interrupts
@@ -29,13 +29,10 @@ _log = logging.getLogger('sweep.py')
 def main() -> int:
     """Run the program; return its exit code, 1 if a run has no result."""
     _log.setLevel(logging.INFO)
-    failed: List[str] = []
-    code = programs.run('sweep.py', lambda words, interrupts: _main(words, interrupts, failed),
-                        'cannot write')
-    return code or int(bool(failed))
+    return programs.run('sweep.py', _main, 'cannot write')
 
 
-def _main(words: Sequence[str], interrupts: Interrupts, failed: List[str]) -> str:
+def _main(words: Sequence[str], interrupts: Interrupts) -> str:
     given = _parser().parse_args(words)
     where = options.of(given)
     path = os.path.expanduser(given.sweep)
@@ -44,7 +41,7 @@ def _main(words: Sequence[str], interrupts: Interrupts, failed: List[str]) -> st
         return _only(sweep, given, path)
     films = ['.worst_{}.mp4'.format(number + 1) for number in range(given.films)]
     paths = files.output_paths(path, os.path.expanduser(given.output),
-                               (*tables.extensions(), '.md', '.png', *films), 'sweep')
+                               (*results.report_extensions(), *films), 'sweep')
     known = [] if where.resume else [_first(sweep, where, given.yes)]
     work = re.sub(r'\.csv$', '.work', paths[0])
     runs = list(sweep.runs())
@@ -55,9 +52,11 @@ def _main(words: Sequence[str], interrupts: Interrupts, failed: List[str]) -> st
         with engine.outcomes(sweep_run.film, [_piece(sweep, each.run) for each in worst],
                              work + '.films', ' films') as filmed:
             written = _write(paths, path, sweep, ended, list(zip(worst, filmed)))
-    failed += [each.outcome.problem for each in ended if each.outcome.problem]
-    return '{} runs, {} have succeeded, {} have no result; wrote {}'.format(
-        len(ended), sum(each.is_success for each in ended), len(failed), ', '.join(written))
+    failed = sum(bool(each.outcome.problem) for each in ended)
+    summary = '{}, {} have succeeded, {} have no result; wrote {}'.format(
+        counted(len(ended), 'run'), sum(each.is_success for each in ended), failed,
+        ', '.join(written))
+    return programs.Incomplete(summary) if failed else summary
 
 
 def _only(sweep: Sweep, given: argparse.Namespace, path: str) -> str:
@@ -93,8 +92,8 @@ def _first(sweep: Sweep, where: options.Options, is_confirmed: bool) -> Done:
     done = Done(piece, *run_piece(sweep_run.run, piece.files, (), piece.arguments))
     run_s = time.perf_counter() - begin_s
     all_s = run_s * sweep.size
-    text = '{} runs of about {:.2g} s (the first one took that long): {} on one core'.format(
-        sweep.size, run_s, _duration(all_s))
+    text = '{} of about {:.2g} s (the first one took that long): {} on one core'.format(
+        counted(sweep.size, 'run'), run_s, _duration(all_s))
     if not where.scheduler:
         all_s /= where.jobs
         text += ', {} on {} here'.format(_duration(all_s), where.jobs)
@@ -119,19 +118,18 @@ def _duration(seconds: float) -> str:
 def _write(paths: Sequence[str], path: str, sweep: Sweep, ended: Sequence[Ended],
            filmed: Sequence[Tuple[Ended, Outcome]]) -> List[str]:
     """Write all files; return the paths."""
-    title, count = os.path.basename(path), len(tables.extensions())
-    films = dict(zip(paths[count + 2:], filmed))
+    title, count = os.path.basename(path), len(results.report_extensions())
+    films = dict(zip(paths[count:], filmed))
     shown = [(each, film.problem or os.path.basename(name))
              for name, (each, film) in films.items()]
     made = {name: film.value for name, (_, film) in films.items() if not film.problem}
-    used = [*paths[:count + 2], *made]
+    used = [*paths[:count], *made]
     with files.atomic_write(used) as opened:
-        tables.write(opened[:count], *sweep_report.table(ended))
-        report, picture = opened[count:count + 2]
-        report.write(sweep_report.markdown(
-            title, sweep, ended, shown, 'rosrun img_recog sweep.py ' + shlex.quote(path)).encode())
-        sweep_report.draw(picture, title, sweep, ended)
-        for file, content in zip(opened[count + 2:], made.values()):
+        results.write_report(
+            opened[:count], sweep_report.table(ended), sweep_report.markdown(
+                title, sweep, ended, shown, 'rosrun img_recog sweep.py ' + shlex.quote(path)),
+            lambda file: sweep_report.draw(file, title, sweep, ended))
+        for file, content in zip(opened[count:], made.values()):
             file.write(content)
     return used
 

@@ -1,17 +1,17 @@
 """The report of a sweep: its table, its success rates in Markdown, and its picture."""
 import shlex
-from typing import IO, Any, Dict, List, NamedTuple, Sequence, Tuple
+from typing import IO, List, NamedTuple, Sequence, Tuple
 
-import matplotlib
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from img_recog import results
 from img_recog.batch.engine import Outcome
-from img_recog.batch.report import lines_of_table
 from img_recog.batch.statistics import wilson
 from img_recog.batch.sweep_file import Range, Run, Sweep, Values
 from img_recog.batch.sweep_run import COLLISION, PATH, REACHED, TIME, Result
+from img_recog.errors import counted
 
 _DPI, _HEIGHT_IN, _WIDTH_IN = 100, 5.0, 5.0     # of each chart
 _BINS, _MAX_RANGES = 6, 3
@@ -35,17 +35,17 @@ class Ended(NamedTuple):
         return self.reason == REACHED
 
 
-def table(ended: Sequence[Ended]) -> Tuple[List[str], List[Dict[str, Any]]]:
-    """Return the columns of the table, and its rows."""
+def table(ended: Sequence[Ended]) -> results.Table:
+    """Return the table: a row for each run."""
     parameters = sorted({name for each in ended for name in each.run.parameters})
     columns = ['key', *(ended[0].run.labels if ended else ()),
                *(name for name in parameters if name not in ended[0].run.labels), 'seed',
                'success', *Result._fields, 'problem']
-    return columns, [{
+    return results.Table(columns, [{
         **_rounded(each.run.parameters), 'key': each.run.key, **each.run.labels,
         'seed': each.run.seed, 'success': int(each.is_success),
         **_rounded({} if each.outcome.problem else each.outcome.value._asdict()),
-        'problem': each.outcome.problem} for each in ended]
+        'problem': each.outcome.problem} for each in ended])
 
 
 def _rounded(values: Values) -> Values:
@@ -67,28 +67,27 @@ def markdown(title: str, sweep: Sweep, ended: Sequence[Ended], films: Sequence[T
 
     command: how the sweep was started, without its options.
     """
-    runs = len(ended)
-    lines = ['# ' + title, '', '{} runs, of which {} have succeeded: {}.'.format(
-        runs, sum(each.is_success for each in ended), _rate(ended)), '']
+    lines = ['# ' + title, '', '{}, of which {} have succeeded: {}.'.format(
+        counted(len(ended), 'run'), sum(each.is_success for each in ended), _rate(ended)), '']
     rows, columns = _cells(sweep)
     if rows:
         lines += ['Success rate, with its 95 % confidence interval (Wilson):', '']
-        lines += lines_of_table([' / '.join(sweep.cells), *columns], [
+        lines += results.markdown_table([' / '.join(sweep.cells), *columns], [
             [row, *(_rate(_in(sweep, ended, row, column)) for column in columns)]
             for row in rows])
         lines += ['', 'How the runs have ended:', '']
-        lines += lines_of_table([sweep.cells[0], *_REASONS], [
+        lines += results.markdown_table([sweep.cells[0], *_REASONS], [
             [row, *(str(sum(each.reason == reason for each in ended
                             if each.run.labels[sweep.cells[0]] == row)) for reason in _REASONS)]
             for row in rows])
     lines += ['', 'The worst runs:', '']
-    lines += lines_of_table(['run', 'ended by', 'distance', 'time', 'film', 'again'], [
+    lines += results.markdown_table(['run', 'ended by', 'distance', 'time', 'film', 'again'], [
         [each.run.key, each.reason, '{:.2f} m'.format(each.outcome.value.distance_m),
          '{:.1f} s'.format(each.outcome.value.time_s), name,
          '`{} --only {}`'.format(command, shlex.quote(each.run.key))] for each, name in films])
     failed = [each for each in ended if each.outcome.problem]
     if failed:
-        lines += ['', '{} runs have no result:'.format(len(failed)), '']
+        lines += ['', 'Without a result: {}'.format(counted(len(failed), 'run')), '']
         lines += ['- {}: {}'.format(each.run.key, each.outcome.problem)
                   for each in failed[:_MAX_PROBLEMS]]
     return '\n'.join(lines) + '\n'
@@ -122,7 +121,7 @@ def draw(file: IO[bytes], title: str, sweep: Sweep, ended: Sequence[Ended]) -> N
                  sweep.fixed, *(group for choice in sweep.choices
                                 for group in choice.groups.values())))][:_MAX_RANGES]
     charts = bool(sweep.cells) + len(drawn)
-    with matplotlib.rc_context({**matplotlib.rcParamsDefault, 'font.size': 9.0}):
+    with results.style(9.0):
         figure = Figure(figsize=(_WIDTH_IN * max(1, charts), _HEIGHT_IN), dpi=_DPI)
         figure.suptitle(title)
         axes = [figure.add_subplot(1, max(1, charts), number + 1) for number in range(charts)]
@@ -131,7 +130,7 @@ def draw(file: IO[bytes], title: str, sweep: Sweep, ended: Sequence[Ended]) -> N
         for chart, name in zip(axes[bool(sweep.cells):], drawn):
             _draw_rates(chart, name, ended)
         figure.tight_layout()
-        figure.savefig(file, format='png', metadata={'Software': None})
+        results.write_picture(file, figure)
 
 
 def _draw_cells(axes: Axes, sweep: Sweep, ended: Sequence[Ended]) -> None:

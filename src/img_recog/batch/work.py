@@ -38,11 +38,16 @@ class Piece(NamedTuple):
 
 
 class Done(NamedTuple):
-    """A piece that has run; content: its result by `plain.dump`, if there is no problem."""
+    """A piece that has run.
+
+    content: its result by `plain.dump`, if there is no problem; is_lost: whether its process was,
+    so that it may succeed another time.
+    """
 
     piece: Piece
     content: bytes
     problem: str
+    is_lost: bool = False
 
 
 def run_piece(function: Function, paths: Sequence[str], contents: Sequence[bytes],

@@ -35,7 +35,7 @@ class WorkFolder:
         _refuse_foreign(path)
 
     def name_of(self, piece: Piece) -> str:
-        """Return the name of the result of a piece; raise UserError if a file cannot be read."""
+        """Return the name of the result of a piece."""
         return digest((self._common, tuple(map(identity, piece.files)), piece.arguments,
                        piece.depends))
 
@@ -105,7 +105,7 @@ def digest(value: Any) -> str:
 
 
 def identity(path: str) -> str:
-    """Return a hash of a file; UserError if it cannot be read.
+    """Return a hash of a file, or why it cannot be read.
 
     It is that of its content; of a file of more than 2 MB, that of its size, the time of its last
     change, and its first and last megabyte.
@@ -114,7 +114,7 @@ def identity(path: str) -> str:
         status = os.stat(path)
         return _identity(path, status.st_mtime_ns, status.st_size)
     except OSError as error:
-        raise UserError('cannot read {}: {}'.format(path, one_line(error).lower()))
+        return one_line(error)
 
 
 @functools.lru_cache(maxsize=None)      # many pieces read the same file

@@ -3,13 +3,12 @@ from typing import List, NamedTuple, Optional, Sequence
 
 import numpy as np
 
-from img_recog.errors import shortened
 from img_recog.formats.audit import Finding
+from img_recog.results import text_table
 
 SIMULATED, MEASURED, ASSUMED = 'simulated', 'measured', 'assumed'
 NOT_SIMULATED, NOT_DRAWN, LEFT_OUT = 'not simulated', 'not drawn', 'left out'
 _HEAD = ('state', 'what', 'value', 'from')
-_MAX_WIDTH = 60         # of a column, in characters; what is longer makes only its line longer
 
 
 class Row(NamedTuple):
@@ -36,12 +35,7 @@ class Report(NamedTuple):
 
     def text(self) -> str:
         """Return the title, the table and the warnings, a line each."""
-        cells = [tuple(map(shortened, row)) for row in (_HEAD, *self.rows)]
-        widths = [max(len(cell) for cell in column if len(cell) <= _MAX_WIDTH)
-                  for column in zip(*cells)]
-        lines = ['  '.join(cell.ljust(width) for cell, width in zip(row, widths)).rstrip()
-                 for row in cells]
-        return '\n'.join([self.title, '', *lines,
+        return '\n'.join([self.title, '', *text_table([_HEAD, *self.rows]),
                           *('warning: ' + warning for warning in self.warnings), ''])
 
 

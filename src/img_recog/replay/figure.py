@@ -1,8 +1,7 @@
 """The picture of a drive: areas, commands and velocity over time, and the path in the world."""
 import colorsys
-from typing import IO, Any, ContextManager, Dict, List, Sequence, Tuple, Union
+from typing import IO, Dict, List, Sequence, Tuple, Union
 
-import matplotlib
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
@@ -10,10 +9,11 @@ from matplotlib.gridspec import SubplotSpec
 from matplotlib.patches import Polygon
 from matplotlib.ticker import FuncFormatter
 
+from img_recog import results
 from img_recog.recognition.settings import Color
 from img_recog.replay.plot_data import SPEED, TIME, TURN, YAW, PlotColor, PlotData, X, Y
 
-_SIZE_IN, _DPI = (14.0, 9.0), 100
+_SIZE_IN, _DPI, _FONT_SIZE = (14.0, 9.0), 100, 10.0
 _DARK, _FAINT, _LINEAR, _ANGULAR = '#222222', '#999999', '#2ca02c', '#9467bd'
 _START, _LAST, _WALL = '#2ca02c', '#d62728', '#d0d0d0'
 _MIN_MARGIN_M = 0.02            # around the path in the close-up
@@ -29,7 +29,7 @@ class ReplayFigure:
     """
 
     def __init__(self) -> None:
-        with _style():
+        with results.style(_FONT_SIZE):
             self.figure = Figure(figsize=_SIZE_IN, dpi=_DPI)
             # fixed positions: computing a layout takes as long as drawing
             self._over_time = [self.figure.add_subplot(row) for row in self._rows(4)]
@@ -49,7 +49,7 @@ class ReplayFigure:
 
     def draw(self, file: IO[bytes], title: str, data: PlotData) -> None:
         """Draw the data and write the figure as PNG; to be called only once."""
-        with _style():
+        with results.style(_FONT_SIZE):
             self.figure.suptitle(title, x=0.06, y=0.98, ha='left')
             areas, commands, speed, position = self._over_time
             _draw_areas(areas, data.areas, data.colors)
@@ -64,12 +64,7 @@ class ReplayFigure:
                 self._remove_areas()
             _draw_map(self._map, data)
             _draw_close_up(self._close_up, data)
-            self.figure.savefig(file, format='png')
-
-
-def _style() -> ContextManager[Any]:
-    # independent of the user's matplotlibrc
-    return matplotlib.rc_context({**matplotlib.rcParamsDefault, 'font.size': 10.0})
+            results.write_picture(file, self.figure)
 
 
 def _draw_areas(axes: Axes, rows: np.ndarray,

@@ -2,7 +2,6 @@
 import argparse
 import contextlib
 import functools
-import io
 import logging
 import os
 import time
@@ -10,7 +9,7 @@ from typing import TYPE_CHECKING, Callable, List, Optional, Sequence, Tuple, Uni
 
 from tqdm import tqdm
 
-from img_recog import files
+from img_recog import files, results
 from img_recog.errors import UserError, counted
 from img_recog.recognition.settings import RecognitionSettings
 from img_recog.recordings import names
@@ -68,8 +67,8 @@ def replay(options: argparse.Namespace, painter: Painter, begin_s: float,
     with files.atomic_write(paths) as (bag_file, csv_file, png_file, *film_files), \
             contextlib.ExitStack() as stack:
         bag = BagRecorder(bag_file, settings.color_names, vehicle.settings.sensors)
-        text = io.TextIOWrapper(csv_file, 'utf-8', newline='')
-        table = TableRecorder(text, settings.color_names)
+        table = TableRecorder(stack.enter_context(results.csv_table(
+            csv_file, TableRecorder.head(settings.color_names))))
         recorders: List[Recorder] = [bag, table, plot]
         film: 'Optional[Film]' = None
         for file, path in zip(film_files, paths[len(_EXTENSIONS):]):
@@ -93,7 +92,6 @@ def replay(options: argparse.Namespace, painter: Painter, begin_s: float,
         bag.close()
         if film is not None:
             film.close(end_ns / SECOND_NS)
-        text.flush()
         png_file.write(painter.finish())
     for warning in frames.warnings + recognition.warnings:
         _log.warning('%s', warning)

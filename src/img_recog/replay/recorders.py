@@ -1,5 +1,4 @@
 """Records a replay: as a bag, as a table, and as the data of the picture."""
-import csv
 from typing import IO, Any, Dict, List, Mapping, Sequence
 
 import genpy
@@ -74,13 +73,16 @@ class TableRecorder(Recorder):
     and the velocities of the robot's root link are those at the time of the frame.
     """
 
-    def __init__(self, file: IO[str], names: Sequence[str]):
-        """Write to an open file; names: of the colors."""
-        self._rows = csv.writer(file, lineterminator='\n')
-        self._rows.writerow([
-            'time_s', 'frame', 'stamp_s', *(name + '_px' for name in names),
-            'commands_linear_x_m_per_s', 'commands_angular_z_rad_per_s', 'x_m', 'y_m', 'yaw_rad',
-            'linear_x_m_per_s', 'angular_z_rad_per_s'])
+    def __init__(self, rows: Any):
+        """rows: a csv.writer for the rows below the `head`."""
+        self._rows = rows
+
+    @staticmethod
+    def head(names: Sequence[str]) -> List[str]:
+        """Return the names of the columns; names: of the colors."""
+        return ['time_s', 'frame', 'stamp_s', *(name + '_px' for name in names),
+                'commands_linear_x_m_per_s', 'commands_angular_z_rad_per_s', 'x_m', 'y_m',
+                'yaw_rad', 'linear_x_m_per_s', 'angular_z_rad_per_s']
 
     def on_frame(self, result: FrameResult) -> None:
         motion = result.motion

@@ -64,7 +64,7 @@ def rows(path='film.evaluated.csv'):
 def test_areas_and_commands_of_each_set(folder, monkeypatch, capsys):
     assert run(monkeypatch, 'film.avi', '--colors', 'low.yaml', 'high.yaml') == 0
     assert capsys.readouterr().out.startswith(
-        '1 of 1 recordings, 8 frames, 2 sets of colors; wrote film.evaluated.csv')
+        '1 of 1 recording, 8 frames, 2 sets of colors; wrote film.evaluated.csv')
     found = rows()
     extractor = ColorExtractor(parameter_file.read('low.yaml'))
     areas = [extractor.measure(frame.image, frame.encoding)[0]
@@ -106,7 +106,10 @@ def test_truth_gives_precision_and_recall(folder, monkeypatch):
 
 
 def test_a_broken_recording_is_named_and_the_others_count(folder, monkeypatch, capsys, caplog):
+    before = set(os.listdir(str(folder)))
     assert run(monkeypatch, 'film.avi', 'broken.avi', '--colors', 'low.yaml') == 1
+    assert {name.partition('.')[2] for name in set(os.listdir(str(folder))) - before} == {
+        'evaluated.' + extension for extension in ('csv', 'md', 'png')}
     assert capsys.readouterr().out.startswith('1 of 2 recordings, 8 frames')
     assert len(rows()) == FRAMES
     assert 'broken.avi: cannot ' in caplog.text
@@ -138,7 +141,7 @@ def test_a_recording_without_a_usable_image_is_named_and_the_others_count(
 def test_images_that_cannot_be_used_are_counted(folder, monkeypatch, capsys, caplog):
     write_bag(folder / 'half.bag', [True, False, False, True])
     assert run(monkeypatch, 'half.bag', '--colors', 'low.yaml') == 0
-    assert capsys.readouterr().out.startswith('1 of 1 recordings, 2 of 4 frames, 1 sets')
+    assert capsys.readouterr().out.startswith('1 of 1 recording, 2 of 4 frames, 1 set of colors;')
     line = 'half.bag: 2 of 4 images on /eye cannot be used; the first is message 1: '
     assert [record.levelname for record in caplog.records] == ['WARNING']
     assert caplog.messages[0].startswith(line)

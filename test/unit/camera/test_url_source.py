@@ -105,8 +105,8 @@ UNKNOWN = 0     # the frame count of a stream
     ('http://h/f.avi?tok=1', 60, RemoteVideoSource), ('http://h/video', 60, RemoteVideoSource),
     ('https://h/recorded.webm?a=b.c', UNKNOWN, RemoteVideoSource),
     *(('http://h/a.' + extension, UNKNOWN, RemoteVideoSource) for extension in (
-        '3gp', 'avi', 'm2ts', 'm4v', 'mkv', 'mov', 'mp4', 'mpeg', 'mpg', 'mts', 'mxf', 'ogv', 'vob',
-        'wmv', 'y4m', 'MP4')),
+        '3gp', 'avi', 'm2ts', 'm4v', 'mkv', 'mov', 'mp4', 'mpeg', 'mpg', 'mts', 'mxf', 'ogv',
+        'vob', 'wmv', 'y4m', 'MP4')),
     ('http://h/a', 2, RemoteVideoSource),
     *(('http://h/' + name, UNKNOWN, StreamSource) for name in (
         'live', 'a.asf', 'a.flv', 'a.h264', 'a.mjpg', 'a.ts')),

@@ -56,7 +56,7 @@ def test_a_picture_is_one_frame(tmp_path):
 def test_a_folder_without_pictures_is_refused_and_what_it_has_is_said(tmp_path):
     for name in ('b.mp4', 'a.mp4'):
         (tmp_path / name).write_bytes(b'x')
-    with pytest.raises(UserError, match='cannot open {}: there is no image in it that can be read; '
-                       '2 of 2 entries of the folder .* left out: a.mp4, b.mp4; give a video'
+    with pytest.raises(UserError, match='cannot open {}: there is no image in it that can be '
+                       'read; 2 of 2 entries of the folder .* left out: a.mp4, b.mp4; give a video'
                        .format(tmp_path)):
         FilmFrames(str(tmp_path))

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 import rosbag
 
+from img_recog import results
 from img_recog.conversions import color_detection_msgs, robot_msgs, twist_msgs
 from img_recog.recognition.commands import Command
 from img_recog.recognition.settings import with_colors
@@ -39,20 +40,20 @@ class BagFile(io.BytesIO):
 def replayed(start_ns=0, seen=PICTURE, world='turtlebot3_world', **odometry):
     """Return bag, table and picture as bytes, and a log."""
     settings, log = with_colors()(), EventLog()
-    bag_file, csv_file, png_file = BagFile(), io.StringIO(), io.BytesIO()
+    bag_file, csv_file, png_file = BagFile(), io.BytesIO(), io.BytesIO()
     plot = PlotRecorder(settings.colors)
     simulator = robots.simulator(world, -2.0, -0.5, odometry=OdometrySettings(**odometry))
     bag = BagRecorder(bag_file, settings.color_names, simulator.vehicles[0].settings.sensors)
     recognition = ColorRecognition(settings)
-    chain = Chain(simulator, recognition, True,
-                  [log, bag, TableRecorder(csv_file, settings.color_names), plot])
     frames = (frame(number, start_ns + number * PERIOD_NS, *colors)
               for number, colors in enumerate(seen))
-    chain.end(PERIOD_NS + chain.run(recognition.measure(frames)))
+    with results.csv_table(csv_file, TableRecorder.head(settings.color_names)) as rows:
+        chain = Chain(simulator, recognition, True, [log, bag, TableRecorder(rows), plot])
+        chain.end(PERIOD_NS + chain.run(recognition.measure(frames)))
     bag.close()
     ReplayFigure().draw(png_file, 'a test', plot.data(len(seen) * 0.04,
                                                       footprints(simulator.world)))
-    return bag_file.value, csv_file.getvalue(), png_file.getvalue(), log
+    return bag_file.value, csv_file.getvalue().decode(), png_file.getvalue(), log
 
 
 def messages(data):
@@ -149,8 +150,8 @@ def test_data_of_the_picture_are_pose_velocities_and_areas():
 def test_a_number_that_is_rounded_to_zero_has_no_sign():
     file = io.StringIO()
     motion = Motion(np.full(3, -4e-7), (0.0, 0.0, 0.0, 1.0), np.zeros(3), np.full(3, -6e-7))
-    TableRecorder(file, []).on_frame(FrameResult(frame(0, 0), 0, [], [], [], motion))
-    row, = csv.DictReader(io.StringIO(file.getvalue()))
+    TableRecorder(csv.writer(file)).on_frame(FrameResult(frame(0, 0), 0, [], [], [], motion))
+    row, = csv.DictReader(io.StringIO(file.getvalue()), TableRecorder.head([]))
     assert (row['x_m'], row['angular_z_rad_per_s']) == ('0.000000', '-0.000001')
 
 
