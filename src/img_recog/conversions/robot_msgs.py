@@ -89,7 +89,8 @@ def joint_states_from_msg(msg: JointState) -> JointStates:
 
 def scan_to_msg(ranges: np.ndarray, settings: ScanSettings, stamp: genpy.Time,
                 out: Optional[LaserScan] = None) -> LaserScan:
-    """Return the message for ranges in m, all measured at `stamp`."""
+    """Return the message for the middle row of ranges in m, all measured at `stamp`."""
+    ranges = settings.middle(ranges)
     if out is None:
         first, last = settings.scan_angle_min, settings.scan_angle_max
         out = LaserScan(angle_min=first, angle_max=last, range_min=settings.scan_range_min,

@@ -117,7 +117,7 @@ def read(tags: Sequence[Tag], step_s: float, readers: Sequence[Tags],
                 if reader.frame:
                     found.sensors.append(_sensor(reader, values, part))
                 owner = part.plugin if part.sensor is None else part.sensor
-                if owner is not None:
+                if owner is not None and part.plugin is not None:
                     found.not_simulated.extend(reader.not_simulated(owner))
             else:
                 found.not_simulated.append('second ' + part.label)

@@ -94,12 +94,13 @@ def test_a_crate_rests_on_it_and_the_floor_does_not_fill_the_valleys(hills):
 
 def test_rays_of_sensors_meet_it(hills):
     world = build(hills())
-    down = Bundles(np.array([[11.0, 22, 9]]), np.array([[[0, 0, -1.0]]]), np.array([20.0]),
-                   np.array([-1]))
-    assert world.solids.distances(down) is None     # so they are PyBullet's
+    down = Bundles(np.array([[11.0, 22, 9]]), np.array([[[0, 0, -1.0]]]), np.array([0.0]),
+                   np.array([20.0]))
+    assert world.solids.distances(down)[1]          # so they are PyBullet's
     assert footprints.footprints(world) == []
     world.remove(world.bodies)
-    assert world.solids.distances(down)[0, 0] == pytest.approx(9)
+    distances, has_others = world.solids.distances(down)
+    assert not has_others and distances[0, 0] == pytest.approx(9)
 
 
 def test_it_is_drawn_as_a_mesh(hills, tmp_path):

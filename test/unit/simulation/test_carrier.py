@@ -1,4 +1,6 @@
 """Models of a world that have sensors, with a plugin that publishes or without."""
+import math
+
 import pytest
 
 from img_recog.conversions.sensor_table import SENSORS
@@ -36,6 +38,22 @@ def test_rays_of_a_static_model_begin_at_the_pose_of_the_sensor_in_its_link(kind
     assert (sensor.label, sensor.type, sensor.is_bare) == ('s', kind, True)
     # from x 0.6 to the wall at 1.9, without noise
     assert eye.measure()['scan'][1] == pytest.approx(1.3, abs=1e-6)
+
+
+@pytest.mark.parametrize('near, pitch, expected', [(0.05, 0, [0.1, 0.1]), (0.12, 1, [
+    0.925407859, math.inf])])
+def test_a_scanner_sees_its_own_model_from_inside_as_in_gazebo(near, pitch, expected):
+    rays = ('<ray><scan><horizontal><samples>2</samples><min_angle>0</min_angle><max_angle>1.57'
+            '</max_angle></horizontal></scan><range><min>{}</min><max>3.5</max></range></ray>')
+    head = carrier(
+        '<pose>0 5 0.5 0 0 0</pose><link name="base">' + BOX.format('collision', '', '1 1 1')
+        + '</link><link name="head"><pose>0 0 0.6 0 0 0</pose><collision name="c"><geometry>'
+        '<cylinder><radius>0.1</radius><length>0.1</length></cylinder></geometry></collision>'
+        '<sensor name="s" type="ray"><pose>0 0 0 0 {} 0</pose>{}</sensor></link><joint name="j" '
+        'type="fixed"><parent>base</parent><child>head</child></joint>'.format(
+            pitch, rays.format(near)))
+    # the figures are those of Gazebo 11.1
+    assert head.measure()['scan'].tolist() == pytest.approx(expected, abs=1e-5)
 
 
 def test_the_readings_of_a_model_are_those_of_its_rate_and_end_with_it():

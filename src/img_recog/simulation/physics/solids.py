@@ -3,7 +3,7 @@
 PyBullet tests each ray against each shape that it may hit by an iteration, which ends within a
 millimetre and takes five times as long for a scan. Here the distances are those of the geometry.
 """
-from typing import Any, Dict, List, NamedTuple, Optional, Sequence, Set, Tuple
+from typing import Any, Dict, List, NamedTuple, Sequence, Set, Tuple
 
 import numpy as np
 import pybullet
@@ -24,15 +24,14 @@ _Poses = Dict[_Part, Tuple[Vector, Quaternion]]
 class Bundles(NamedTuple):
     """Bundles of rays; those of a bundle start at the same point.
 
-    starts (n, 3): m; directions (n, rays, 3): unit vectors; both in the world. longest (n,): m,
-    bodies that are farther away may be missed. excluded (n,): a body that the bundle does not hit,
-    -1 for none.
+    starts (n, 3): m; directions (n, rays, 3): unit vectors; both in the world. shortest (n,): m, a
+    ray does not see what is nearer; longest (n,): bodies that are farther away may be missed.
     """
 
     starts: np.ndarray
     directions: np.ndarray
+    shortest: np.ndarray
     longest: np.ndarray
-    excluded: np.ndarray
 
 
 class _Shape(NamedTuple):
@@ -51,8 +50,8 @@ class _Shape(NamedTuple):
 class Solids:
     """The collision shapes of all bodies in a physics client.
 
-    A shape in which a ray begins is not hit, as in PyBullet. others: the ids of bodies of other
-    kinds, whose shapes PyBullet does not tell.
+    As in Gazebo, a ray that begins in a shape ends on its inner side. others: the ids of bodies of
+    other kinds, whose shapes PyBullet does not tell.
     """
 
     def __init__(self, physics_client_id: int):
@@ -60,7 +59,8 @@ class Solids:
         self.others: Set[int] = set()
         self._bodies: Tuple[int, ...] = ()
         self._is_known = False
-        self._shapes: Optional[List[_Shape]] = []
+        self._shapes: List[_Shape] = []
+        self._are_all = True
         self._poses: _Poses = {}
         self._groups: Dict[int, _Group] = {}
 
@@ -68,18 +68,15 @@ class Solids:
         """Call after a body was added or removed: PyBullet uses the ids of bodies again."""
         self._is_known = False
 
-    def distances(self, bundles: 'Bundles') -> Optional[np.ndarray]:
-        """Return how far each ray goes until it hits a body, (bundles, rays); inf if it does not.
-
-        None if there are shapes of other kinds.
+    def distances(self, bundles: 'Bundles') -> Tuple[np.ndarray, bool]:
+        """Return how far each ray goes until it hits a box, cylinder, sphere or floor, (bundles,
+        rays), inf if it does not; and whether there are shapes of other kinds.
         """
         self._refresh()
-        if self._shapes is None:
-            return None
         nearest = np.full(bundles.directions.shape[:2], np.inf)
         for group in self._groups.values():
             group.shorten(nearest, bundles)
-        return nearest
+        return nearest, not self._are_all
 
     def _refresh(self) -> None:
         """Take note of bodies that were added, removed or moved."""
@@ -87,13 +84,13 @@ class Solids:
         bodies = body_ids(client)
         if bodies != self._bodies or not self._is_known:
             self._bodies, self._is_known = bodies, True
-            self._shapes = None if self.others & set(bodies) else _shapes(bodies, client)
+            shapes = _shapes(bodies, client)
+            self._shapes = [shape for shape in shapes if _is_known(shape)]
+            self._are_all = len(self._shapes) == len(shapes) and not self.others & set(bodies)
             self._poses, self._groups = {}, {}
-            for kind in sorted({shape.kind for shape in self._shapes or ()}):
+            for kind in sorted({shape.kind for shape in self._shapes}):
                 self._groups[kind] = _GROUPS[kind](
-                    [shape for shape in self._shapes or () if shape.kind == kind])
-        if self._shapes is None:
-            return
+                    [shape for shape in self._shapes if shape.kind == kind])
         poses = {part: _pose(part, client) for part in {shape.part for shape in self._shapes}}
         moved = {part: pose for part, pose in poses.items() if self._poses.get(part) != pose}
         self._poses = poses
@@ -101,17 +98,16 @@ class Solids:
             group.place(moved)
 
 
-def _shapes(bodies: Sequence[int], client: int) -> Optional[List[_Shape]]:
-    """Return the shapes of bodies; None if some are of other kinds."""
-    found = []
-    for body in bodies:
-        for link in range(-1, pybullet.getNumJoints(body, physicsClientId=client)):
+def _shapes(bodies: Sequence[int], client: int) -> List[_Shape]:
+    return [_Shape((body, link), kind, size, position, orientation)
+            for body in bodies
+            for link in range(-1, pybullet.getNumJoints(body, physicsClientId=client))
             for _, _, kind, size, _, position, orientation in pybullet.getCollisionShapeData(
-                    body, link, physicsClientId=client):
-                if kind not in _GROUPS or (kind == _PLANE and size != _UP):
-                    return None
-                found.append(_Shape((body, link), kind, size, position, orientation))
-    return found
+                body, link, physicsClientId=client)]
+
+
+def _is_known(shape: _Shape) -> bool:
+    return shape.kind in _GROUPS and (shape.kind != _PLANE or shape.size == _UP)
 
 
 def _pose(part: _Part, client: int) -> Tuple[Vector, Quaternion]:
@@ -129,7 +125,6 @@ class _Group:
     def __init__(self, shapes: Sequence[_Shape]):
         """`place` must come next, for all parts."""
         self._shapes = shapes
-        self._bodies = np.array([shape.part[0] for shape in shapes])
         self._positions = np.empty((len(shapes), 3))
         # (axes of a shape, shapes, axes of the world): the inverse rotations
         self._rotations = np.empty((3, len(shapes), 3))
@@ -147,12 +142,11 @@ class _Group:
                 self._rotations[:, number] = rotations.matrix(orientation).T
 
     def shorten(self, nearest: np.ndarray, bundles: Bundles) -> None:
-        """Reduce distances (bundles, rays) to those of the shapes that the rays enter."""
+        """Reduce distances (bundles, rays) to those of the shapes that the rays hit."""
         # (bundles, shapes, axes)
         offsets = bundles.starts[:, None] - self._positions
         near = np.sqrt((offsets * offsets).sum(axis=-1)) <= (
             bundles.longest[:, None] + self._reaches)
-        near &= bundles.excluded[:, None] != self._bodies
         for number, is_near in enumerate(near):
             shapes = np.flatnonzero(is_near)
             if not len(shapes):
@@ -163,8 +157,11 @@ class _Group:
             turned = (rotations.reshape(-1, 3) @ bundles.directions[number].T).reshape(
                 3, len(shapes), -1)
             enter, leave = self._interval(self._sizes[:, shapes], starts, turned)
-            hit = (enter <= leave) & (enter > 0)
-            np.minimum(nearest[number], np.where(hit, enter, np.inf).min(axis=0),
+            shortest = bundles.shortest[number]
+            # of a line that misses the shape, it begins after its end
+            surface = np.where(enter > shortest, enter, leave)
+            hit = (enter <= leave) & (surface > shortest)
+            np.minimum(nearest[number], np.where(hit, surface, np.inf).min(axis=0),
                        out=nearest[number])
 
     def _reach(self) -> np.ndarray:
@@ -208,8 +205,8 @@ class _Cylinders(_Group):
 class _Planes(_Group):
     def _interval(self, sizes, starts, directions):
         height, slope = starts[2], directions[2]
-        # what is below the plane is solid
-        enter = np.where((height > 0) & (slope < 0), -height / np.where(slope, slope, 1), np.inf)
+        # seen from below too, like in Gazebo; a ray along it never meets it
+        enter = np.where(slope, -height / np.where(slope, slope, 1), np.inf)
         return enter, enter
 
 

@@ -40,15 +40,15 @@ class ScanSettings(Settings):
     Angles in rad about z of `scan_frame`, or of the place that a <gazebo> tag gives, from its x
     axis; there is a ray at both ends. scan_resolution: ranges for each ray, interpolated between
     them. scan_rows: of rays, from the angle scan_pitch_min upward to scan_pitch_max; the middle
-    one is cast. Ranges and the standard deviation of their noise in m. scan_period_s: a multiple
-    of the physics step, in simulated s.
+    one is published. Ranges and the standard deviation of their noise in m. scan_period_s: a
+    multiple of the physics step, in simulated s.
     """
 
     scan_frame: str = setting('base_scan', not_empty())
     scan_period_s: float = setting(0.2, above(0))
-    scan_samples: int = setting(360, between(1, 16383))
+    scan_samples: int = setting(360, between(1, 100000))
     scan_resolution: float = setting(1.0, between(0.001, 100))
-    scan_rows: int = setting(1, between(1, 16383))
+    scan_rows: int = setting(1, between(1, 100000))
     scan_pitch_min: float = setting(0.0, any_value())
     scan_pitch_max: float = setting(0.0, any_value())
     scan_angle_min: float = setting(0.0, any_value())
@@ -66,17 +66,20 @@ class ScanSettings(Settings):
         """
         return rays.angles(self.scan_samples, self.scan_angle_min, self.scan_angle_max)
 
-    def pitch(self) -> float:
-        """Return the angle of the middle row in rad, upward from the plane of the scanner."""
-        rows = rays.angles(self.scan_rows, self.scan_pitch_min, self.scan_pitch_max)
-        return float(rows[self.scan_rows // 2])
+    def middle(self, ranges: np.ndarray) -> np.ndarray:
+        """Return the ranges of the middle row among those of all rows.
+
+        >>> ScanSettings(scan_rows=3).middle(np.arange(6)).tolist()
+        [2, 3]
+        """
+        return ranges.reshape(self.scan_rows, -1)[self.scan_rows // 2]
 
 
 class LaserScanner(RaySensor):
-    """Measures ranges, float64 of shape (ranges,), in m, +inf where nothing is hit.
+    """Measures ranges, float64 of shape (rows times ranges,), in m, +inf where nothing is hit.
 
-    There are scan_samples times scan_resolution of them, cut to a whole number. rays.py finds
-    the distances; here, noise and limits are added.
+    The lowest row is the first. In each are scan_samples times scan_resolution, cut to a whole
+    number. rays.py finds the distances; here, noise and limits are added.
     """
 
     def __init__(self, mount: Mount, settings: ScanSettings):
@@ -90,21 +93,27 @@ class LaserScanner(RaySensor):
                                   '{:g} m'.format(settings.scan_range_min,
                                                   settings.scan_range_max))
         super().__init__(mount, mount.frame('scan_frame', settings.scan_frame),
-                         rays.directions(settings.angles(), np.array([settings.pitch()])),
-                         settings.scan_range_max)
+                         rays.directions(settings.angles(), rays.angles(
+                             settings.scan_rows, settings.scan_pitch_min,
+                             settings.scan_pitch_max)),
+                         (settings.scan_range_min, settings.scan_range_max))
         self._at = _positions(settings)
+        self._ranges = settings.scan_rows * (
+            settings.scan_samples if self._at is None else len(self._at))
         self._settings, self._noise = settings, mount.noise
 
     def skip_noise(self, readings: int) -> None:
         """Pass over the noise of readings that are not made."""
         for _ in range(readings):
-            self._noise.standard_normal(self._settings.scan_samples)
+            self._noise.standard_normal(self._ranges)
 
     def measure(self, distances: np.ndarray) -> np.ndarray:
         """Return the ranges; noise is added to hits, which stay within the allowed ranges."""
         settings = self._settings
         if self._at is not None:
-            distances = _interpolated(distances, self._at, settings.scan_range_max)
+            distances = np.concatenate([
+                _interpolated(row, self._at, settings.scan_range_max)
+                for row in distances.reshape(settings.scan_rows, -1)])
         missed = distances > settings.scan_range_max
         # drawn for every ray, so that the noise does not depend on what is hit
         measured = distances + self._noise.normal(0.0, settings.scan_noise, len(distances))

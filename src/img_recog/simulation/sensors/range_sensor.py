@@ -42,10 +42,10 @@ class RangeSettings(Settings):
 
     range_frame: str = setting('', any_value())
     range_period_s: float = setting(0.1, above(0))
-    range_samples: int = setting(1, between(1, 16383))
+    range_samples: int = setting(1, between(1, 100000))
     range_angle_min: float = setting(0.0, any_value())
     range_angle_max: float = setting(0.0, any_value())
-    range_rows: int = setting(1, between(1, 16383))
+    range_rows: int = setting(1, between(1, 100000))
     range_pitch_min: float = setting(0.0, any_value())
     range_pitch_max: float = setting(0.0, any_value())
     range_min: float = setting(0.0, at_least(0))
@@ -78,7 +78,8 @@ class RangeSensor(RaySensor):
             rays.directions(rays.angles(settings.range_samples, settings.range_angle_min,
                                         settings.range_angle_max),
                             rays.angles(settings.range_rows, settings.range_pitch_min,
-                                        settings.range_pitch_max)), settings.range_max)
+                                        settings.range_pitch_max)),
+            (settings.range_min, settings.range_max))
         self._settings, self._noise = settings, mount.noise
 
     def skip_noise(self, readings: int) -> None:

@@ -1,16 +1,19 @@
 """Sensors that cast rays into the world; those of all robots are read together."""
 import abc
-from typing import Any, List, Optional, Sequence, Tuple
+from typing import Any, Dict, List, Sequence, Tuple
 
 import numpy as np
 import pybullet
 
 from img_recog import rotations
+from img_recog.errors import SimulationError
 from img_recog.formats.gazebo_tags import INTEGER, NUMBER, RATE, Row
 from img_recog.simulation.physics.solids import Bundles
 from img_recog.simulation.sensors.sensor import Mount, Sensor
 
 _MAX_OWN_SHAPES = 20        # of its own robot, that a ray may cross one after the other
+_BATCH = 8192               # PyBullet has a limit, and loses the last ray at it
+_MAX_RAYS = 200000
 _PAST_M = 1e-3              # a ray goes on so far behind the surface of such a shape
 
 
@@ -30,16 +33,25 @@ def fan_rows(prefix: str) -> Tuple[Row, ...]:
 
 
 class RaySensor(Sensor):
-    """Casts all rays at one time from the origin of its frame; does not see its own robot."""
+    """Casts all rays at one time from the origin of its frame.
 
-    def __init__(self, mount: Mount, frame: str, directions: np.ndarray, longest: float):
+    As in Gazebo, rays begin at the shortest range and see their own robot; not those of its shapes
+    that are the convex hull of a mesh.
+    """
+
+    def __init__(self, mount: Mount, frame: str, directions: np.ndarray,
+                 limits: Tuple[float, float]):
         """Mount the sensor where its tag puts it, else on the link `frame`.
 
-        directions (3, rays): unit vectors in that frame; longest: of what is measured, in m.
+        directions (3, rays): unit vectors in that frame; limits: from and to which distance
+        something is seen, in m. SimulationError when there are too many rays.
         """
         self.solids = mount.world.solids
         self._robot, self._frame = mount.robot, mount.place or frame
-        self._directions, self._longest = directions, longest
+        self._directions, (self._shortest, self._longest) = directions, limits
+        if self.rays > _MAX_RAYS:
+            raise SimulationError('got {} rays, at most {} are simulated'.format(
+                self.rays, _MAX_RAYS), 'give the sensor fewer samples')
 
     @abc.abstractmethod
     def measure(self, distances: np.ndarray) -> Any:
@@ -60,22 +72,25 @@ class RaySensor(Sensor):
         """Return the rays from where the sensor is now, a bundle."""
         motion = self._robot.motion(self._frame)
         directions = (rotations.matrix(motion.orientation) @ self._directions).T
-        return Bundles(motion.position[None], directions[None], np.array([self._longest]),
-                       np.array([self._robot.body_id]))
+        return Bundles(motion.position[None], directions[None], np.array([self._shortest]),
+                       np.array([self._longest]))
 
     def cast(self, bundle: Bundles) -> np.ndarray:
-        """Return what Solids.distances does, by PyBullet's rays, for shapes of all kinds."""
+        """Return what Solids.distances does, by PyBullet's rays, for shapes of all kinds but those
+        of the robot, and those in which a ray begins.
+        """
         longest = self._longest
         directions = bundle.directions[0]
         ends = bundle.starts[0] + longest * directions
-        passed = np.zeros(len(directions))      # how far each ray has come
+        passed = np.full(len(directions), self._shortest)      # how far each ray has come
         distances = np.full(len(directions), np.inf)
         rays = np.arange(len(directions))
         for _ in range(_MAX_OWN_SHAPES):
             starts = bundle.starts[0] + passed[rays, None] * directions[rays]
-            hits = pybullet.rayTestBatch(
-                starts.tolist(), ends[rays].tolist(), numThreads=0,
-                physicsClientId=self._robot.physics_client_id)
+            hits = [hit for first in range(0, len(rays), _BATCH) for hit in pybullet.rayTestBatch(
+                starts[first:first + _BATCH].tolist(),
+                ends[rays[first:first + _BATCH]].tolist(), numThreads=0,
+                physicsClientId=self._robot.physics_client_id)]
             bodies = np.array([hit[0] for hit in hits])
             passed[rays] += (longest - passed[rays]) * [hit[2] for hit in hits]
             others = rays[(bodies >= 0) & (bodies != self._robot.body_id)]
@@ -109,13 +124,14 @@ def directions(yaw: np.ndarray, pitch: np.ndarray) -> np.ndarray:
 def read_together(sensors: Sequence[RaySensor]) -> List[Any]:
     """Return what each of some sensors of a physics client measures now."""
     bundles = [sensor.bundle() for sensor in sensors]
-    distances: List[Optional[np.ndarray]] = [None] * len(sensors)
+    distances: Dict[int, np.ndarray] = {}
+    has_others = False
     for rays in {sensor.rays for sensor in sensors}:
         numbers = [number for number, sensor in enumerate(sensors) if sensor.rays == rays]
-        found = sensors[0].solids.distances(Bundles(
+        found, has_others = sensors[0].solids.distances(Bundles(
             *map(np.concatenate, zip(*(bundles[number] for number in numbers)))))
-        if found is not None:
-            for number, row in zip(numbers, found):
-                distances[number] = row
-    return [sensor.measure(sensor.cast(bundle) if found is None else found)
-            for sensor, bundle, found in zip(sensors, bundles, distances)]
+        distances.update(zip(numbers, found))
+    if has_others:
+        for number, sensor in enumerate(sensors):
+            distances[number] = np.minimum(distances[number], sensor.cast(bundles[number]))
+    return [sensor.measure(distances[number]) for number, sensor in enumerate(sensors)]

@@ -56,11 +56,15 @@ def random_shape(client, random):
     return Shape(client, kind, size, random.uniform(-2.0, 2.0, 3), turned / np.linalg.norm(turned))
 
 
-def distances_of(solids, start, directions, longest=np.inf, excluded=-1):
-    """Return the distances (rays,) of one bundle, None if there are shapes of other kinds."""
-    found = solids.distances(Bundles(start[None], directions[None], np.array([longest]),
-                                     np.array([excluded])))
-    return None if found is None else found[0]
+def bundle(start, directions, shortest=0.0, longest=np.inf):
+    return Bundles(start[None], directions[None], np.array([shortest]), np.array([longest]))
+
+
+def distances_of(solids, *rays, **limits):
+    """Return the distances (rays,) of one bundle; there must be no shapes of other kinds."""
+    found, has_others = solids.distances(bundle(*rays, **limits))
+    assert not has_others
+    return found[0]
 
 
 def directions_into_the_shapes(start, random):
@@ -69,7 +73,7 @@ def directions_into_the_shapes(start, random):
 
 
 @pytest.mark.parametrize('seed', range(12))
-def test_rays_end_where_they_enter_the_first_shape(client, seed):
+def test_rays_end_where_they_enter_the_first_shape_or_leave_that_around_them(client, seed):
     random = np.random.RandomState(seed)
     shapes = [random_shape(client, random) for _ in range(8)]
     if seed % 3 == 0:
@@ -86,6 +90,8 @@ def test_rays_end_where_they_enter_the_first_shape(client, seed):
         for shape in shapes:
             if shape not in around:
                 assert not shape.contains(before, 1e-6).any()
+            else:
+                assert shape.contains(before, -1e-6).all()
         if distance < 6.0:
             end = (start + direction * distance)[None]
             assert any(shape.contains(end, -1e-6)[0] and not shape.contains(end, 1e-6)[0]
@@ -101,7 +107,7 @@ def test_what_is_within_a_range_is_found(client, seed):
     directions = directions_into_the_shapes(start, random)
     every = distances_of(solids, start, directions)
     for longest in (0.5, 1.0, 2.0, 4.0):
-        found = distances_of(solids, start, directions, longest)
+        found = distances_of(solids, start, directions, longest=longest)
         assert np.array_equal(found[every <= longest], every[every <= longest])
         assert np.all(found[every > longest] > longest)
 
@@ -144,15 +150,32 @@ def test_along_a_cylinder(client):
 
 def test_what_is_moved_added_and_removed_is_noticed(client):
     start, rays = np.zeros(3), np.array([[1.0, 0.0, 0.0]])
-    own = Shape(client, pybullet.GEOM_SPHERE, (0.25,), (0.5, 0, 0))
     solids = Solids(client)
-    assert distances_of(solids, start, rays, excluded=own.body).tolist() == [np.inf]
+    assert distances_of(solids, start, rays).tolist() == [np.inf]
     ball = Shape(client, pybullet.GEOM_SPHERE, (0.5,), (2.0, 0, 0))
-    assert distances_of(solids, start, rays, excluded=own.body).tolist() == [1.5]
+    assert distances_of(solids, start, rays).tolist() == [1.5]
     ball.move(client, (3.0, 0, 0))
-    assert distances_of(solids, start, rays, excluded=own.body).tolist() == [2.5]
+    assert distances_of(solids, start, rays).tolist() == [2.5]
     pybullet.removeBody(ball.body, physicsClientId=client)
-    assert distances_of(solids, start, rays, excluded=own.body).tolist() == [np.inf]
+    assert distances_of(solids, start, rays).tolist() == [np.inf]
+
+
+@pytest.mark.parametrize('kind, size, far', [
+    (pybullet.GEOM_SPHERE, (0.5,), 0.5), (pybullet.GEOM_BOX, (0.5, 0.6, 0.7), 0.5),
+    (pybullet.GEOM_CYLINDER, (0.5, 2.0), 0.5)])
+@pytest.mark.parametrize('start, shortest, expected', [
+    (0.0, 0.12, 'far'), (0.0, 0.6, None), (-1.0, 0.12, 0.5), (-1.0, 0.6, 1.5), (-1.0, 1.6, None)])
+def test_rays_begin_at_the_shortest_range(client, kind, size, far, start, shortest, expected):
+    Shape(client, kind, size)
+    found = distances_of(Solids(client), np.array([start, 0.0, 0.0]), np.array([[1.0, 0.0, 0.0]]),
+                         shortest=shortest)
+    assert found.tolist() == pytest.approx([{'far': far, None: np.inf}.get(expected, expected)])
+
+
+def test_a_plane_is_seen_from_below(client):
+    Shape(client, pybullet.GEOM_PLANE, ())
+    found = distances_of(Solids(client), np.array([0.0, 0.0, -1.0]), np.array([[0.0, 0.0, 1.0]]))
+    assert found.tolist() == [1.0]
 
 
 def test_links_that_move(client):
@@ -181,6 +204,8 @@ def test_other_shapes_are_left_to_pybullet(client, kind, values):
     other = pybullet.createMultiBody(0, pybullet.createCollisionShape(
         kind, physicsClientId=client, **values), physicsClientId=client)
     start, rays = np.zeros(3), np.array([[1.0, 0.0, 0.0]])
-    assert distances_of(solids, start, rays) is None
+    Shape(client, pybullet.GEOM_SPHERE, (0.5,), (2.0, 0, 0))
+    found, has_others = solids.distances(bundle(start, rays))
+    assert found.tolist() == [[1.5]] and has_others
     pybullet.removeBody(other, physicsClientId=client)
-    assert distances_of(solids, start, rays).tolist() == [np.inf]
+    assert distances_of(solids, start, rays).tolist() == [1.5]

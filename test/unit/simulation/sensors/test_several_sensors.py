@@ -5,6 +5,7 @@ import numpy as np
 import pytest
 
 from img_recog.conversions.sensor_table import SENSORS
+from img_recog.errors import SimulationError
 from img_recog.formats import world_file
 from img_recog.settings import SettingError
 from img_recog.simulation import assembly
@@ -54,9 +55,12 @@ def test_rays_by_pybullet_go_through_the_robot_as_far_as_by_geometry(tmp_path):
     vehicle = sim.vehicles[0]
     scanner = LaserScanner(
         Mount(vehicle.robot, sim.world, np.random.RandomState(), vehicle.drive),
-        ScanSettings(scan_frame='wheel_left_link', scan_samples=90, scan_range_max=4.0))
+        ScanSettings(scan_frame='wheel_left_link', scan_samples=90, scan_range_min=0.05,
+                     scan_range_max=4.0))
     bundle = scanner.bundle()
-    expected = sim.world.solids.distances(bundle)[0]
+    without = built(tmp_path)
+    without.vehicles[0].move_to(-50.0, 0.0, 0.0)
+    (expected,), _ = without.world.solids.distances(bundle)
     expected[expected > 4.0] = np.inf
     assert scanner.cast(bundle) == pytest.approx(expected, abs=0.002)
     assert np.isfinite(expected).sum() > 20 and np.isinf(expected).any()
@@ -116,17 +120,42 @@ def test_resolution_interpolates_between_the_rays(tmp_path, resolution, count):
 
 def test_a_ray_that_misses_counts_as_the_longest_between_rays(tmp_path):
     ranges = readings(built(tmp_path, sensor('', 2, 1.5, scan='<resolution>1.5</resolution>',
-                                             pose='<pose>0 0 0 0 0 0</pose>', far=2.0)))['scan']
+                                             pose='<pose>0 0 0.3 0 0 0</pose>', far=2.0)))['scan']
     # at -1.5 rad from the left the wall is 1.4 / cos(0.07) away, at 1.5 rad there is nothing
     assert ranges[1] == pytest.approx((1.4 / math.cos(math.pi / 2 - 1.5) + 2.0) / 2, abs=0.003)
     assert ranges[2] == math.inf
 
 
-def test_the_middle_row_is_cast(tmp_path):
+def test_all_rows_are_cast_and_the_middle_one_is_published(tmp_path):
     rows = '<vertical><samples>3</samples><min_angle>0.1</min_angle><max_angle>0.5</max_angle>'
     ranges = readings(built(tmp_path, sensor('', 1, vertical=rows + '</vertical>'),
                             height=3))['scan']
-    assert ranges == pytest.approx([1.4 / math.cos(0.3)], abs=0.003)
+    assert ranges == pytest.approx([1.4 / math.cos(pitch) for pitch in (0.1, 0.3, 0.5)], abs=0.006)
+    assert ScanSettings(scan_rows=3).middle(ranges).tolist() == [ranges[1]]
+
+
+@pytest.mark.parametrize('by_pybullet', [False, True])
+def test_more_rays_than_pybullet_casts_at_a_time(tmp_path, by_pybullet):
+    sim = built(tmp_path, height=3)
+    vehicle = sim.vehicles[0]
+    scanner = LaserScanner(
+        Mount(vehicle.robot, sim.world, np.random.RandomState(), vehicle.drive),
+        ScanSettings(scan_frame='base_scan', scan_samples=128, scan_rows=128, scan_angle_min=-0.5,
+                     scan_angle_max=0.5, scan_pitch_max=0.5, scan_noise=0.0))
+    ranges = scanner.cast(scanner.bundle()) if by_pybullet else scanner.read()
+    # 1.532 m ahead of the scanner
+    assert len(ranges) == 16384 and ranges[[0, 127, 16256, 16383]] == pytest.approx(
+        1.532 / np.cos(0.5) / np.array([1, 1, np.cos(0.5), np.cos(0.5)]), abs=0.005)
+
+
+def test_too_many_rays(tmp_path):
+    sim = built(tmp_path)
+    vehicle = sim.vehicles[0]
+    with pytest.raises(SimulationError) as error:
+        LaserScanner(Mount(vehicle.robot, sim.world, np.random.RandomState(), vehicle.drive),
+                     ScanSettings(scan_frame='base_scan', scan_samples=2000, scan_rows=101))
+    assert str(error.value) == ('got 202000 rays, at most 200000 are simulated; give the sensor '
+                                'fewer samples')
 
 
 def test_noise_of_sensors_of_a_kind_differs(tmp_path):
