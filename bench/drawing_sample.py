@@ -94,7 +94,8 @@ def pybullet_by(client: int) -> Callable[[Drive, Camera], Draw]:
                 projection.T.ravel().tolist(), shadow=1,
                 lightDirection=drive.visuals.light.sun, lightColor=(1, 1, 1),
                 lightAmbientCoeff=0.75, lightDiffuseCoeff=0.25, lightSpecularCoeff=0.0,
-                flags=pybullet.ER_NO_SEGMENTATION_MASK, renderer=pybullet.ER_BULLET_HARDWARE_OPENGL,
+                flags=pybullet.ER_NO_SEGMENTATION_MASK,
+                renderer=pybullet.ER_BULLET_HARDWARE_OPENGL,
                 physicsClientId=client)[2]
         return draw
     return load

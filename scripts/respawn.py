@@ -4,7 +4,7 @@
 usage: respawn.py [--required] NODE [ARGUMENT ...]
 
 The launch-prefix of the nodes in the launch files, which also have respawn="true": roslaunch
-starts this program again if it is killed itself. The node is a child process that ends with this one.
+starts this program again if it is killed itself. The node is a child process that ends with it.
 roslaunch's respawn alone would start a node that refuses its input again and again, and roslaunch
 does not take it beside required="true", by which the demo ends then.
 

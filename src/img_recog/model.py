@@ -44,7 +44,8 @@ class Shape(NamedTuple):
     """A shape in its own frame, with its center at the origin, in m.
 
     kind and size: BOX (x, y, z); CYLINDER (radius, length along z); SPHERE (radius,); CAPSULE
-    (radius, length along z without the ends); PLANE (x, y), of which the upper side counts; MESH
+    (radius, length along z without the ends); PLANE (x, y), of which the upper side is seen, and
+    which carries without end; MESH
     (scale x, y, z), of the file `path` or a part of it; HEIGHTMAP (x, y, height of white,
     sampling), of the image `path`.
     """
@@ -248,6 +249,11 @@ class Model:
         """The heightmap that it is, None if it is something else."""
         shapes = [solid.shape for link in self.links for solid in link.solids]
         return shapes[0] if shapes and shapes[0].kind == HEIGHTMAP else None
+
+    @property
+    def is_plane(self) -> bool:
+        """Whether a plane carries what is on it."""
+        return any(solid.shape.kind == PLANE for link in self.links for solid in link.solids)
 
 
 class Tree(NamedTuple):

@@ -131,7 +131,8 @@ class Report:
     def _write_table(self, file: IO[bytes], measured: Results, chosen: Chosen
                      ) -> Tuple[Worst, List[Piece]]:
         """Write the table; return the worst frames in it, and the pieces that they are in."""
-        worst, pieces = Worst(len(self._colors)), []
+        worst = Worst(len(self._colors))
+        pieces: List[Piece] = []
         with results.csv_table(file, ['recording', 'frame', 'time_s', 'samples', *(
                 color + suffix for color in self._colors for suffix in (
                     '_px', '_seen', '_in_view', '_inside_px', '_wrong_px', '_missed_px'))]

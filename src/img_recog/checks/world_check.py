@@ -48,6 +48,7 @@ def _models(world: World, seen: Looks) -> Iterator[Row]:
 
 
 def _rest(file: WorldFile) -> Iterator[Row]:
-    yield Row(SIMULATED, 'floor', 'at z 0, ' + ('drawn' if file.has_floor else 'not drawn'))
+    if file.has_floor:
+        yield Row(SIMULATED, 'floor', 'at z 0')
     yield Row(SIMULATED, 'gravity', '{:g} {:g} {:g} m/s2'.format(*file.gravity))
     yield from rows_of(file.findings)

@@ -73,7 +73,7 @@ def _of_sdf(root: ElementTree.Element, name: str, find: FindFile,
         ElementTree.SubElement(models[0], 'name').text = name
     contents = sdf_file.read(root, _NOWHERE, find, problems)
     if not contents.trees and not problems.names:
-        raise SimulationError('it has only a floor or lights, which every world here has already',
+        raise SimulationError('it has only lights, which every world here has already',
                               'add a model that has a <link>')
     return contents.trees
 

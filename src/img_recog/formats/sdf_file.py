@@ -21,12 +21,23 @@ from img_recog.model import Tree
 from img_recog.rotations import Transform
 
 _MODEL_URI = 'model://'
-_GROUND_PLANE = 'ground_plane'
+_GROUND_PLANE = 'ground_plane'      # its name, and in place of the path of its file
 _SUN = 'sun'
-# Gazebo's models of the floor and the light, also those of the new Gazebo, with their version:
-# the simulator has both in every world
+# Gazebo's models of the floor and the light, also those of the new Gazebo, with their version: the
+# simulator has both
 _BUILT_IN = re.compile(
     '(?:model://|https?://[^/]+/.*models/)(ground[ _]plane|sun)(?:/[0-9]+|/tip)?/?', re.IGNORECASE)
+_GROUND_PLANE_XML = '''
+<model name="ground_plane"><static>1</static><link name="link">
+  <collision name="collision">
+    <geometry><plane><size>100 100</size></plane></geometry>
+    <surface><friction><ode><mu>100</mu><mu2>50</mu2></ode></friction></surface>
+  </collision>
+  <visual name="visual">
+    <geometry><plane><size>100 100</size></plane></geometry>
+    <material><script><name>Gazebo/Grey</name></script></material>
+  </visual>
+</link></model>'''
 _MAX_NESTED, _MAX_INCLUDED = 100, 5000     # models in one another; included ones in total
 _VERSION = re.compile('[0-9]{1,9}([.][0-9]{1,9})*')
 _URLS = ('http://', 'https://', 'ftp://')
@@ -35,8 +46,9 @@ _URLS = ('http://', 'https://', 'ftp://')
 class Contents(NamedTuple):
     """What an SDF describes.
 
-    trees: of all models; gravity (3,): m/s2; has_floor: False for a world without Gazebo's
-    ground_plane; camera: the pose of Gazebo's user camera in the world, if it is given.
+    trees: of all models; gravity (3,): m/s2; has_floor: False for a world that does not include
+    Gazebo's ground_plane as it is; camera: the pose of Gazebo's user camera in the world, if it is
+    given.
     """
 
     trees: Tuple[Tree, ...]
@@ -51,8 +63,8 @@ def read(root: ElementTree.Element, path: str, find: FindFile, problems: Problem
     path: of its file; find: returns the path of the file or folder at a URI. Models are also
     searched for in the folders above the file. problems: to which is added what cannot be used.
     """
-    reader = _Reader(find, problems)
     world = root.find('world')
+    reader = _Reader(find, problems, has_floor=world is None)
     reader.read(root if world is None else world, _version(root), path, (os.path.abspath(path),))
     gravity, camera = None, None
     if world is not None:
@@ -64,18 +76,18 @@ def read(root: ElementTree.Element, path: str, find: FindFile, problems: Problem
             element = world.find('gui/camera')
             if element is not None and element.find('pose') is not None:
                 camera = sdf_frames.pose_of(element)
-    return Contents(tuple(reader.trees), gravity, world is None or reader.has_ground_plane, camera)
+    return Contents(tuple(reader.trees), gravity, reader.has_floor, camera)
 
 
 class _Reader:
     """Collects the trees of a world and of the files that it includes."""
 
-    def __init__(self, find: FindFile, problems: Problems):
+    def __init__(self, find: FindFile, problems: Problems, has_floor: bool):
         self._find, self._problems = find, problems
         self.trees: List[Tree] = []
         self._names: Set[str] = set()
         self._audited: Set[str] = set()         # included files: thousands may be the same one
-        self.has_ground_plane = False
+        self.has_floor = has_floor
         self._included_count = self._depth = 0
 
     def read(self, parent: ElementTree.Element, version: Version, path: str,
@@ -110,7 +122,9 @@ class _Reader:
         self._names.add(name)
         with self._problems.left_out():
             sdf_frames.apply_state(model, state)
-        self.has_ground_plane |= model.get('name') == _GROUND_PLANE
+        if not self.has_floor and path == name == _GROUND_PLANE and _is_in_place(model):
+            self.has_floor = True
+            return
         self.trees += sdf_models.trees(model, version, self._finder(path), self._problems)
 
     def _included(self, include: ElementTree.Element, path: str, stack: Sequence[str]
@@ -122,8 +136,8 @@ class _Reader:
         uri = text_of(include, 'uri')
         built_in = _BUILT_IN.fullmatch(unquote(uri))
         if built_in:
-            self.has_ground_plane |= built_in.group(1).lower() != _SUN
-            return None
+            return None if built_in.group(1).lower() == _SUN else (
+                _named_and_placed(parse_xml(_GROUND_PLANE_XML), include), (1, 6), _GROUND_PLANE)
         if uri.startswith(_URLS):
             raise SimulationError('{} ({})'.format(uri, NOT_DOWNLOADED))
         found = self._finder(path)(uri)
@@ -141,14 +155,7 @@ class _Reader:
                 raise SimulationError('{}, which it includes, has no <model>'.format(file))
             return None
         self._expand(model, file, (*stack, file))
-        for tag in ('pose', 'static'):
-            given = include.find(tag)
-            if given is not None:
-                for old in model.findall(tag):
-                    model.remove(old)
-                model.append(given)
-        model.set('name', text_of(include, 'name') or name_of(model))
-        return model, _version(root), file
+        return _named_and_placed(model, include), _version(root), file
 
     def _check_include(self, file: str, stack: Sequence[str]) -> None:
         """Raise SimulationError unless a file can be included; stack: the files it stands in."""
@@ -194,6 +201,24 @@ class _Reader:
                 return _find_above(folder, uri[len(_MODEL_URI):].lstrip('/'))
             return found
         return find
+
+
+def _named_and_placed(model: ElementTree.Element,
+                      include: ElementTree.Element) -> ElementTree.Element:
+    """Give a model the name, the pose and the <static> of the <include> of it."""
+    for tag in ('pose', 'static'):
+        given = include.find(tag)
+        if given is not None:
+            for old in model.findall(tag):
+                model.remove(old)
+            model.append(given)
+    model.set('name', text_of(include, 'name') or name_of(model))
+    return model
+
+
+def _is_in_place(model: ElementTree.Element) -> bool:
+    """Return whether a model stands at the origin of the world."""
+    return bool(np.allclose(sdf_frames.pose_of(model).matrix(), np.eye(4), atol=1e-9))
 
 
 def find_relative(folder: str, find: FindFile) -> Callable[[str], Optional[str]]:

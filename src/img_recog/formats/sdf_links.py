@@ -113,13 +113,23 @@ def _sphere(name: str, element: ElementTree.Element, _: FindFile) -> _Geometry:
 
 
 def _plane(name: str, element: ElementTree.Element, _: FindFile) -> _Geometry:
-    normal = read_direction('<normal> of ' + name, element.findtext('normal', '0 0 1'))
     size = (1.0, 1.0) if element.find('size') is None else _size(name, element, 'size', 2)
+    direction = _normal(name, element)
     return Shape(PLANE, size), IDENTITY._replace(
-        rotation=_turn_z_to(normal / np.linalg.norm(normal)))
+        rotation=turn_z_to(direction / np.linalg.norm(direction)))
 
 
-def _turn_z_to(direction: np.ndarray) -> np.ndarray:
+def normal(collision: ElementTree.Element) -> Optional[np.ndarray]:
+    """Return the normal (3,) of a <collision> that is a plane, as it is given; None of others."""
+    plane = collision.find('geometry/plane')
+    return None if plane is None else _normal('collision ' + name_of(collision), plane)
+
+
+def _normal(name: str, plane: ElementTree.Element) -> np.ndarray:
+    return read_direction('<normal> of ' + name, plane.findtext('normal', '0 0 1'))
+
+
+def turn_z_to(direction: np.ndarray) -> np.ndarray:
     """Return the shortest rotation that turns the z axis to a direction."""
     x, y, z = direction
     if z < -1 + 1e-9:

@@ -1,7 +1,9 @@
 """The models of an SDF as trees of links."""
 import dataclasses
 import xml.etree.ElementTree as ElementTree
-from typing import Dict, Iterator, List, Optional, Sequence
+from typing import Dict, Iterator, List, Optional, Sequence, Tuple
+
+import numpy as np
 
 from img_recog.files import FindFile
 from img_recog.formats import sdf_links
@@ -9,8 +11,8 @@ from img_recog.formats.problems import Problems
 from img_recog.formats.sdf_frames import WORLD, Scope, pose_of
 from img_recog.formats.sdf_joints import Axis, Joints, SdfJoint, SdfLink, Version
 from img_recog.formats.texts import name_of
-from img_recog.model import (CONTINUOUS, FIXED, HEIGHTMAP, NO_INERTIA, PRISMATIC, REVOLUTE, Frame,
-                             Inertia, Joint, Limits, Link, Look, Model, Solid, Tag, Tree)
+from img_recog.model import (CONTINUOUS, FIXED, HEIGHTMAP, NO_INERTIA, PLANE, PRISMATIC, REVOLUTE,
+                             Frame, Inertia, Joint, Limits, Link, Look, Model, Solid, Tag, Tree)
 from img_recog.rotations import IDENTITY, Transform
 
 _FAR_M = 1e16
@@ -82,10 +84,11 @@ class _Builder:
         self._links: List[Link] = []
         self._joints: List[Joint] = []
         self._warnings: List[str] = []
-        self._terrains: List[Tree] = []
+        self._grounds: List[Tuple[Tree, Optional[np.ndarray]]] = []     # with normals of planes
 
     def trees(self, name: str, model_pose: Transform) -> List[Tree]:
-        """Return the tree, and one for each terrain; model_pose: of the outermost model."""
+        """Return the tree, and one for each terrain and plane; model_pose: of the outermost model.
+        """
         root = self._root
         to_world = next((joint for joint in self._of_links[root.name] if joint.parent == WORLD),
                         None)
@@ -120,8 +123,7 @@ class _Builder:
                       loops=tuple(self._loops(loops, base)), warnings=tuple(self._warnings))
         tree = Tree('{}::{}'.format(name, root.name), model, model_pose @ base,
                     is_fixed or base is not root.pose, base)
-        return [tree, *(each._replace(name='{}::{}'.format(name, each.name),
-                                      pose=model_pose @ each.in_model) for each in self._terrains)]
+        return [tree, *(_placed(*each, name, model_pose) for each in self._grounds)]
 
     def _loops(self, joints: Sequence[SdfJoint], base: Transform) -> Iterator[Joint]:
         for joint in joints:
@@ -153,30 +155,29 @@ class _Builder:
                 if missing:
                     self._problems.add_look(missing)
         solids: List[Solid] = []
-        terrains = 0
         for collision in link.element.findall('collision'):
-            terrains += collision.find('geometry/heightmap') is not None
             with self._problems.left_out():
                 solid = sdf_links.solid(collision, scope.pose(collision), self._find)._replace(
                     friction=friction)
-                if solid.shape.kind == HEIGHTMAP:
-                    self._add_terrain(link, name_of(collision), solid)
+                if solid.shape.kind in (HEIGHTMAP, PLANE):
+                    self._add_ground(link, collision, solid)
                 else:
                     solids.append(solid._replace(pose=offset @ solid.pose, is_concave=is_fixed))
         # in place of shapes of which none can be had
         if not looks and link.element.find('visual') is not None:
             looks = [Look(solid.shape, solid.pose) for solid in solids]
-        elif not solids and len(link.element.findall('collision')) > terrains:
-            solids = [Solid(look.shape, look.pose, friction) for look in looks]
+        elif not solids and len(link.element.findall('collision')) > _count_grounds(link.element):
+            solids = [Solid(look.shape, look.pose, friction) for look in looks
+                      if look.shape.kind != PLANE]
         self._links.append(Link(link.name, inertia, tuple(solids), tuple(looks)))
 
-    def _add_terrain(self, link: SdfLink, name: str, solid: Solid) -> None:
-        """Add the tree of a heightmap that carries; solid: at its pose in the link."""
-        pose = link.pose @ solid.pose
+    def _add_ground(self, link: SdfLink, collision: ElementTree.Element, solid: Solid) -> None:
+        """Add the tree of a heightmap or a plane that carries; solid: at its pose in the link."""
+        name = '{}::{}'.format(link.name, name_of(collision))
         # PyBullet's name for the link of such a body
         ground = Link('link0', solids=(solid._replace(pose=IDENTITY),))
-        self._terrains.append(Tree('{}::{}'.format(link.name, name), Model(link.name, (ground,)),
-                                   pose, True, pose))
+        tree = Tree(name, Model(link.name, (ground,)), link.pose @ solid.pose, True)
+        self._grounds.append((tree, sdf_links.normal(collision)))
 
     def _inertia(self, link: ElementTree.Element, offset: Transform) -> Inertia:
         # one without has that of SDF
@@ -200,6 +201,20 @@ class _Builder:
         self._joints.append(_joint(joint, pose, joint.axes[-1] if joint.axes else None))
 
 
+def _placed(ground: Tree, normal: Optional[np.ndarray], name: str, model: Transform) -> Tree:
+    """Return the tree of a heightmap or a plane in the world, of a model of that name and pose.
+
+    As in Gazebo, no pose turns a plane, and only its height moves it: that is the constant of its
+    equation, in which its normal is as long as given.
+    """
+    pose = model @ ground.pose
+    if normal is not None:
+        pose = Transform(sdf_links.turn_z_to(normal / np.linalg.norm(normal)),
+                         normal * pose.translation[2] / (normal @ normal))
+    return ground._replace(name='{}::{}'.format(name, ground.name), pose=pose,
+                           in_model=_relative(model, pose))
+
+
 def _joint(joint: SdfJoint, pose: Transform, axis: Optional[Axis]) -> Joint:
     """Return the part of a joint that has one of its axes, None if it is fixed."""
     if axis is None:
@@ -211,6 +226,10 @@ def _joint(joint: SdfJoint, pose: Transform, axis: Optional[Axis]) -> Joint:
         kind = REVOLUTE if limits else CONTINUOUS
     return Joint(joint.name, kind, joint.parent, joint.child, pose, axis.direction,
                  limits and Limits(*limits))
+
+
+def _count_grounds(link: ElementTree.Element) -> int:
+    return sum(len(link.findall('collision/geometry/' + kind)) for kind in (HEIGHTMAP, PLANE))
 
 
 def _relative(frame: Transform, pose: Transform) -> Transform:

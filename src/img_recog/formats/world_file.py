@@ -23,9 +23,9 @@ GRAVITY = (0.0, 0.0, -9.8)      # m/s2, Gazebo's default
 class WorldFile(NamedTuple):
     """A world.
 
-    name: of its model or file; trees: what stands in it, besides the floor; gravity (3,): m/s2;
-    warnings: a line for each thing that was left out; has_floor: whether the floor is seen, which
-    carries in every world; camera: the pose of Gazebo's user camera in the world, if the file
+    name: of its model or file; trees: what stands in it, besides that floor; gravity (3,): m/s2;
+    warnings: a line for each thing that was left out; has_floor: whether there is Gazebo's
+    ground_plane, at z 0; camera: the pose of Gazebo's user camera in the world, if the file
     gives it; left_out: what cannot be used; missing_looks: materials and textures that are not
     found; findings: what is not done as asked.
     """

@@ -21,7 +21,7 @@ from img_recog.model import Model
 from img_recog.settings import SettingError, from_mapping
 from img_recog.simulation import places
 from img_recog.simulation.carrier import Carrier
-from img_recog.simulation.physics import wheels
+from img_recog.simulation.physics import standing, wheels
 from img_recog.simulation.physics.client import all_or_nothing, connect
 from img_recog.simulation.physics.world import World
 from img_recog.simulation.pictures.scene import Scene, scene_of
@@ -216,7 +216,7 @@ def build(physics: PhysicsSettings, world: WorldFile,
     simulator = Simulator(simulated_world)
     for robot, settings in robots:
         warnings += add_robot(simulator, robot, settings, unused_sensors)
-        warnings += _lift_of(simulator.vehicles[-1])
+        warnings += _place_of(simulator.vehicles[-1], simulated_world)
     for overlap in simulator.overlaps():
         warnings.append('{}: they overlap at the start, and the physics will throw them apart; '
                         'set {}'.format(overlap, ', '.join(
@@ -289,7 +289,7 @@ def add_robot_apart(simulator: Simulator, robot: RobotSource, settings: RobotSet
     except UserError as error:
         simulator.remove(vehicle)
         raise _refused(robot.source, error.problem, error.advice)
-    return warnings + _lift_of(vehicle)
+    return warnings + _place_of(vehicle, simulator.world)
 
 
 def named(robot: RobotSource, name: str) -> RobotSource:
@@ -297,13 +297,23 @@ def named(robot: RobotSource, name: str) -> RobotSource:
     return robot._replace(model=dataclasses.replace(robot.model, name=name))
 
 
-def _lift_of(vehicle: Vehicle) -> List[str]:
-    """Return the warning about a robot that was lifted, if it was."""
-    if not vehicle.lift.onto:
-        return []
-    return ['{}: at z_pos {:g} m it would be in {}; it was lifted onto it by {:.3f} m'.format(
-        vehicle.robot.name, vehicle.settings.spawn.z_pos, vehicle.lift.onto,
-        vehicle.lift.height_m)]
+def _place_of(vehicle: Vehicle, world: World) -> List[str]:
+    """Return the warnings about a robot that was lifted, is below a terrain or falls."""
+    name, lines = vehicle.robot.name, []
+    if vehicle.lift.onto:
+        lines.append('{}: at z_pos {:g} m it would be in {}; it was lifted onto it by {:.3f} m'
+                     .format(name, vehicle.settings.spawn.z_pos, vehicle.lift.onto,
+                             vehicle.lift.height_m))
+    below, _ = standing.first_in_line(vehicle.robot, upward=False)
+    above, height_m = standing.first_in_line(vehicle.robot, upward=True)
+    for body in world.bodies:
+        if body.body_id == above and (body.is_terrain or below == -1):
+            return [*lines, '{}: it starts below {}, which is at {:.3f} m there; set z_pos'.format(
+                name, body.name, height_m)]
+    if below == -1:
+        lines.append('{}: it falls, as nothing is below it: the world has no ground_plane or '
+                     'other floor there'.format(name))
+    return lines
 
 
 @contextlib.contextmanager

@@ -11,6 +11,7 @@ from img_recog.rotations import Quaternion
 from img_recog.simulation.models import LINK_SEPARATOR
 from img_recog.simulation.physics.body import Body, FrameState, Vector, velocity_at
 from img_recog.simulation.physics.client import link_indices
+from img_recog.simulation.physics.world import FLOOR
 from img_recog.simulation.simulator import Simulator
 
 
@@ -33,6 +34,8 @@ class Figures:
         self._links: Dict[str, _Link] = {}
         self._joints: Dict[str, Tuple[Body, int]] = {}
         world = simulator.world
+        if world.floor:
+            self._add(FLOOR.name, world.floor, FLOOR.model.frames)
         for tree, body in zip(world.file.trees, world.bodies):
             self._add(tree.name.partition(LINK_SEPARATOR)[0], body, tree.model.frames)
         for vehicle in simulator.vehicles:

@@ -9,6 +9,7 @@ from img_recog.errors import SimulationError
 from img_recog.model import Tree
 from img_recog.rotations import IDENTITY, Quaternion, Transform
 from img_recog.simulation.physics.body import Body, Motion, Pose, motion_of_frame
+from img_recog.simulation.physics.world import FLOOR
 from img_recog.simulation.simulator import Simulator
 from img_recog.simulation.vehicle import Vehicle
 
@@ -72,8 +73,10 @@ class Models:
     def __init__(self, simulator: Simulator):
         self._simulator, self._world = simulator, simulator.world
         world = simulator.world
-        self._models: Dict[str, _Model] = {world.floor.name: _Model([world.floor])}
-        self._floor = world.floor.name
+        self._models: Dict[str, _Model] = {}
+        self._floor = FLOOR.name if world.floor else ''
+        if world.floor:
+            self._models[FLOOR.name] = _Model([world.floor])
         for model in _grouped(world.file.trees, world.bodies):
             self._models[self._free_name(model.bodies[0].name)] = model
         for vehicle in simulator.vehicles:

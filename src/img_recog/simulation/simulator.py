@@ -121,7 +121,7 @@ class Simulator:
         client = self.world.physics_client_id
         bodies = [self.world.floor, *self.world.bodies,
                   *(vehicle.robot for vehicle in self.vehicles)]
-        names = {body.body_id: body.name for body in bodies}
+        names = {body.body_id: body.name for body in bodies if body is not None}
         pybullet.performCollisionDetection(physicsClientId=client)
         found: List[str] = []
         for contact in pybullet.getContactPoints(robot.body_id, physicsClientId=client):

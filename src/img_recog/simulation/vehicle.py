@@ -5,7 +5,6 @@ from typing import Sequence, Tuple, cast
 from img_recog import rotations
 from img_recog.model import Model
 from img_recog.simulation.carrier import Carrier
-from img_recog.simulation.physics import standing
 from img_recog.simulation.physics.body import Pose
 from img_recog.simulation.physics.drives import make_drive
 from img_recog.simulation.physics.robot import SimulatedRobot
@@ -38,7 +37,7 @@ class Vehicle(Carrier):
                                         world.step_s)
 
     def _lift(self) -> None:
-        self.lift = standing.lift(self.robot, self._world.floor, self._world.bodies)
+        self.lift = self._world.lift(self.robot)
 
     def command(self, linear_x: float, angular_z: float, linear_y: float = 0.0) -> None:
         """Drive at linear_x m/s and angular_z rad/s until the next command.

@@ -36,7 +36,7 @@ def test_models_sizes_and_the_rest(check, tmp_path):
         Row('simulated', 'model shelf', 'static, 0.8 x 0.8 x 0.2 m'),
         Row('simulated', 'model crate', '2 kg, not drawn'),
         Row('simulated', 'models', '2, 0.8 x 0.8 x 0.2 m'),
-        Row('simulated', 'floor', 'at z 0, drawn'),
+        Row('simulated', 'floor', 'at z 0'),
         Row('simulated', 'gravity', '0 0 -9.8 m/s2'),
         Row('not simulated', 'light lamp', 'world default'),
         Row('not simulated', 'plugin libwind.so', 'world default'),

@@ -66,13 +66,20 @@ def test_refusals_are_one_line(text, words):
     assert words in refusal(model_file.read, text, 'm', nowhere)
 
 
-@pytest.mark.parametrize('uri', ['model://ground_plane', 'model://sun/', 'model://lamp'])
-def test_only_a_floor_or_a_light(tmp_path, uri):
+@pytest.mark.parametrize('uri', ['model://sun/', 'model://lamp'])
+def test_only_a_light(tmp_path, uri):
     (tmp_path / 'model.sdf').write_text(SDF.format('<light name="lamp"/>'))
     text = SDF.format('<include><uri>{}</uri></include>'.format(uri))
     assert refusal(model_file.read, text, 'm', lambda uri: str(tmp_path)) == (
-        'model m: it has only a floor or lights, which every world here has already; add a model '
-        'that has a <link>')
+        'model m: it has only lights, which every world here has already; add a model that has a '
+        '<link>')
+
+
+@pytest.mark.parametrize('name', ['m', 'ground_plane'])
+def test_a_floor_is_a_model_like_others(name):
+    text = SDF.format('<include><uri>model://ground_plane</uri></include>')
+    first, plane = model_file.read(text, name, nowhere)
+    assert first.name == name and not first.model.is_plane and plane.model.is_plane
 
 
 @pytest.mark.parametrize('name, words', [

@@ -234,8 +234,9 @@ def test_of_two_models_of_one_name_the_first_stays(folder):
     ('', False), (BUILT_IN, True), (include('model://ground_plane/'), True),
     (include('model://sun'), False), (include(FUEL + 'Ground Plane'), True),
     (include(FUEL + 'ground%20plane/2'), True), (include(FUEL + 'Sun'), False),
-    ('<model name="ground_plane"><static>1</static>' + LINK + '</model>', True)])
-def test_the_floor_is_seen_in_a_world_that_has_it(folder, inside, has_floor):
+    (include('model://ground_plane', '<pose>0 0 1 0 0 0</pose>'), False),
+    ('<model name="ground_plane"><static>1</static>' + LINK + '</model>', False)])
+def test_a_floor_at_z_0_is_that_of_the_simulator(folder, inside, has_floor):
     assert read(folder, inside).has_floor is has_floor
 
 

@@ -10,7 +10,7 @@ from img_recog.simulation.sensors.odometry import OdometrySettings
 from img_recog.simulation.settings import DriveSettings, RobotSettings
 from img_recog_testing.refusals import refusal
 from img_recog_testing.robots import assemble, burger, read
-from img_recog_testing.sdf import CRATE, sdf
+from img_recog_testing.sdf import BUILT_IN, CRATE, sdf
 
 TAGS = '''<gazebo><plugin name="drive" filename="libgazebo_ros_diff_drive.so">
   <wheelSeparation>0.3</wheelSeparation><updateRate>50</updateRate></plugin></gazebo>
@@ -120,12 +120,12 @@ def test_warnings_of_the_world_file_come_first(tmp_path):
                     '</include><model name="m"><link name="l"/></model></world></sdf>')
     warnings = assemble(str(path), urdf=burger().replace('imu_link', 'a_link'),
                         allow_partial=True).warnings
-    assert len(warnings) == 2 and 'model://table' in warnings[0] and 'imu' in warnings[1]
+    assert len(warnings) == 3 and 'model://table' in warnings[0] and 'imu' in warnings[1]
 
 
 def test_warns_of_what_was_lifted_out_of_the_floor(tmp_path):
     path = tmp_path / 'hall.world'
-    path.write_text(sdf(CRATE.format('2 0 0 0 0 0')))
+    path.write_text(sdf(BUILT_IN, CRATE.format('2 0 0 0 0 0')))
     assert assemble(str(path)).warnings == (
         'world hall: at the start in the floor, and lifted onto it: crate by 0.100 m',)
 

@@ -12,6 +12,7 @@ from img_recog.simulation.pictures.visual_scene import Parts
 from img_recog.simulation.sensors.imu import ImuSettings
 from img_recog.simulation.sensors.odometry import OdometrySettings
 from img_recog_testing.robots import simulator
+from img_recog_testing.sdf import BUILT_IN
 
 ROBOT = 'turtlebot3_burger'
 UPRIGHT = (0.0, 0.0, 0.0, 1.0)
@@ -20,7 +21,7 @@ REST = (0.0, 0.0, 0.0)
 GOOD = State(REST, UPRIGHT, REST, REST)
 NAN, INF = float('nan'), float('inf')
 QUIET = ImuSettings(gyro_noise=0.0, accel_noise=0.0)
-CRATES = '<sdf version="1.6"><world name="w">{}</world></sdf>'
+CRATES = '<sdf version="1.6"><world name="w">' + BUILT_IN + '{}</world></sdf>'
 CRATE = """<model name="{}"><pose>{}</pose><static>{}</static><link name="l"><inertial>
   <mass>2</mass><inertia><ixx>0.02</ixx><iyy>0.02</iyy><izz>0.02</izz><ixy>0</ixy>
   <ixz>0</ixz><iyz>0</iyz></inertia></inertial>
@@ -74,6 +75,7 @@ def test_state_in_the_world():
     assert state.position == close([1, -2, 0]) and state.orientation == close(LEFT)
     assert state.linear == close(REST) and state.angular == close(REST)
     assert models.state('ground_plane').position == close(REST)
+    assert models.state('ground_plane::link').position == close(REST)
     sim.vehicles[0].command(0.2, 0.0)
     sim.advance(2000)
     assert models.state(ROBOT).linear == pytest.approx([0, 0.2, 0], abs=0.01)

@@ -66,11 +66,11 @@ class Body:
     body_id, physics_client_id: PyBullet's; fixed: whether the root link never moves; links: link
     indices, -1 for the base; joints: index of each movable joint by name; root: name of the root
     link; name: of the model; start: where `reset` moves it; is_terrain: whether it is a
-    heightmap, whose shape PyBullet does not tell; was_moved: whether it is fixed, and was moved
-    from outside.
+    heightmap, whose shape PyBullet does not tell; is_plane: whether it is an infinite plane;
+    was_moved: whether it is fixed, and was moved from outside.
     """
 
-    is_terrain = was_moved = False
+    is_terrain = is_plane = was_moved = False
 
     def __init__(self, body_id: int, physics_client_id: int, fixed: bool = False):
         self.body_id = body_id

@@ -139,19 +139,21 @@ def _add_inertia(link: ElementTree.Element, inertia: Inertia) -> None:
 
 
 def _add_shape(owner: ElementTree.Element, shape: Shape, pose: Transform) -> None:
-    size = shape.size
-    if shape.kind == PLANE:     # a thin box, whose upper side is the plane
-        pose = pose @ IDENTITY._replace(translation=np.array((0, 0, -_PLANE_THICKNESS_M / 2)))
+    kind, size = shape.kind, shape.size
+    if kind == PLANE and owner.tag == 'collision':
+        attributes = {'normal': '0 0 1'}
+    elif kind == PLANE:         # a thin box, whose upper side is the plane
+        kind, pose = BOX, pose @ IDENTITY._replace(
+            translation=np.array((0, 0, -_PLANE_THICKNESS_M / 2)))
         attributes = {'size': words((*size, _PLANE_THICKNESS_M))}
-    elif shape.kind == BOX:
+    elif kind == BOX:
         attributes = {'size': words(size)}
-    elif shape.kind == MESH:
+    elif kind == MESH:
         attributes = {'filename': shape.path, 'scale': words(size)}
     else:
-        attributes = dict(zip(_ATTRIBUTES[shape.kind], map(repr, size)))
+        attributes = dict(zip(_ATTRIBUTES[kind], map(repr, size)))
     _add_origin(owner, pose)
-    ElementTree.SubElement(ElementTree.SubElement(owner, 'geometry'),
-                           BOX if shape.kind == PLANE else shape.kind, attributes)
+    ElementTree.SubElement(ElementTree.SubElement(owner, 'geometry'), kind, attributes)
 
 
 def _add_material(visual: ElementTree.Element, material: Material) -> None:

@@ -2,11 +2,12 @@
 
 The physics would throw it into the air, or hold it fast; that of Gazebo lifts it by 1 cm/s.
 """
-from typing import List, NamedTuple, Sequence
+from typing import List, NamedTuple, Sequence, Tuple
 
 import numpy as np
 import pybullet
 
+from img_recog import rotations
 from img_recog.simulation.physics.body import Body
 
 MAX_DEPTH_M = 0.005     # of a contact: the physics lifts a body gently out of less
@@ -15,6 +16,8 @@ _TOUCH_M = 1e-4
 # centimeters above the ground; what is higher is a wall.
 _MAX_RISE_M = 0.3
 _STEP_M = 0.01
+_FAR_M = 1000.0
+_STEEP = 0.7        # vertical part of the normal of a plane: 45 degrees
 
 
 class Lift(NamedTuple):
@@ -24,18 +27,20 @@ class Lift(NamedTuple):
     onto: str = ''
 
 
-def lift(body: Body, floor: Body, others: Sequence[Body] = ()) -> Lift:
+def lift(body: Body, planes: Sequence[Body], others: Sequence[Body] = ()) -> Lift:
     """Move a body upward, without changing its velocity, until it is in nothing.
 
-    floor: an infinite plane, of any height above the body. A body that would still be in one of
-    the others 0.3 m higher is only lifted out of the floor. One that is less than MAX_DEPTH_M deep
-    in all of them stays where it is.
+    planes: infinite ones, of any height above the body; walls and ceilings among them are left
+    out. A body that would still be in one of the others 0.3 m higher is only lifted out of the
+    planes. One that is less than MAX_DEPTH_M deep in all of them stays where it is.
     """
     result = Lift()
-    depth_m = depth(body, floor)
-    if depth_m > MAX_DEPTH_M:
-        result = Lift(depth_m, floor.name)
-        body.raise_by(depth_m)
+    for plane in planes:
+        depth_m, upward = depth(body, plane), rotations.matrix(plane.pose().orientation)[2, 2]
+        if depth_m > MAX_DEPTH_M and upward > _STEEP:
+            height_m = depth_m / upward
+            result = Lift(result.height_m + height_m, plane.name)
+            body.raise_by(height_m)
     near = _within_reach(body, others)
     if is_in(body, near):
         rise = _rise(body, near)
@@ -47,6 +52,21 @@ def lift(body: Body, floor: Body, others: Sequence[Body] = ()) -> Lift:
 def is_in(body: Body, others: Sequence[Body]) -> bool:
     """Return whether a body is deeper in one of the others than contacts are."""
     return any(depth(body, other) > MAX_DEPTH_M for other in others)
+
+
+def first_in_line(body: Body, upward: bool) -> Tuple[int, float]:
+    """Return the id of the body straight above the middle of a body, or below it, and its height.
+
+    The id is -1 if there is none.
+    """
+    low, high = _bounds(body)
+    x, y, z = (low + high) / 2
+    end = z + (_FAR_M if upward else -_FAR_M)
+    while True:         # through the body itself
+        (hit,) = pybullet.rayTest((x, y, z), (x, y, end), physicsClientId=body.physics_client_id)
+        if hit[0] != body.body_id:
+            return hit[0], hit[3][2]
+        z = hit[3][2] + (_TOUCH_M if upward else -_TOUCH_M)
 
 
 def depth(body: Body, other: Body) -> float:

@@ -1,32 +1,34 @@
 """The physics client, and everything in it except robots."""
-from typing import Dict, List, Optional, Sequence, Tuple
+from typing import Dict, Iterable, List, Optional, Sequence, Tuple
 
 import pybullet
 
 from img_recog.errors import SimulationError, shortened
 from img_recog.formats.problems import Problems
 from img_recog.formats.world_file import WorldFile
-from img_recog.model import FLOOR_FRICTION, Model, Tree
+from img_recog.model import FLOOR_FRICTION, PLANE, Frame, Link, Model, Shape, Solid, Tree
 from img_recog.simulation.physics import build, crowding, loops, standing
-from img_recog.simulation.physics.body import Body, Pose
+from img_recog.simulation.physics.body import Body
 from img_recog.simulation.physics.framed_body import FramedBody
 from img_recog.simulation.physics.client import all_or_nothing, link_indices
 from img_recog.simulation.physics.solids import Solids
 from img_recog.simulation.settings import PhysicsSettings
 
-_FLOOR_HALF_SIZE_M = 20.0       # of the visible floor; the plane that carries is infinite
-_FLOOR_COLOR = (0.72, 0.72, 0.72, 1.0)
+# Gazebo's ground_plane, as it is included without a pose
+FLOOR = Tree('ground_plane', Model('ground_plane', (
+    Link('link', solids=(Solid(Shape(PLANE, (100.0, 100.0)), friction=100.0),)),),
+    frames={'link': Frame('link')}), fixed=True)
 
 
 class World:
-    """A physics client with gravity, a floor at z 0 and the bodies of a world file.
+    """A physics client with gravity and the bodies of a world file.
 
     physics_client_id: to be passed to every PyBullet call; step_s: of the physics; solids: of all
-    bodies in the client; floor; file: what stands in the world now; bodies: one for each tree in
-    `file`; revision: the number of times that something was added or removed, robots too, or that
-    something fixed was moved for the first time; lifted: how far, in m, each body was moved upward
-    that was in the floor when it was added, by name; crowded: a line if the step after the last
-    `add` takes long.
+    bodies in the client; floor: None in a world without; file: what stands in the world now;
+    bodies: one for each tree in `file`; revision: the number of times that something was added or
+    removed, robots too, or that something fixed was moved for the first time; lifted: how far, in
+    m, each body was moved upward that was in the floor when it was added, by name; crowded: a line
+    if the step after the last `add` takes long.
     """
 
     def __init__(self, settings: PhysicsSettings, file: WorldFile, physics_client_id: int,
@@ -46,9 +48,10 @@ class World:
         # contacts in a fixed order, so that equal commands give equal trajectories
         pybullet.setPhysicsEngineParameter(deterministicOverlappingPairs=1,
                                            physicsClientId=physics_client_id)
-        self.floor = Body(add_floor(physics_client_id), physics_client_id, fixed=True)
-        self.floor.name = 'ground_plane'        # Gazebo's name for it
-        self._set_dynamics(self.floor, Model('floor', ()))
+        self.floor: Optional[Body] = None
+        if file.has_floor:
+            (_, self.floor), = load_bodies([FLOOR], physics_client_id)
+            self._set_dynamics(self.floor, FLOOR.model)
         try:
             self.add(file.trees, problems)
         except SimulationError as error:
@@ -63,13 +66,12 @@ class World:
         with all_or_nothing(self.physics_client_id):
             loaded = load_bodies(trees, self.physics_client_id, problems=problems)
             self.crowded = crowding.check([*self.bodies, *(body for _, body in loaded)])
-        if not self.file.has_floor:
-            self._lower_floor([body for _, body in loaded if body.is_terrain])
+        planes = self._planes(body for _, body in loaded)
         for tree, body in loaded:
             loops.close(tree, body)
             self._set_dynamics(body, tree.model)
             if not body.fixed:
-                lifted = standing.lift(body, self.floor)
+                lifted = standing.lift(body, planes)
                 if lifted.onto:
                     body.start = body.pose()
                     self.lifted[body.name] = lifted.height_m
@@ -77,12 +79,14 @@ class World:
         self.file = self.file._replace(trees=(*self.file.trees, *(tree for tree, _ in loaded)))
         self.notify_changed()
 
-    def _lower_floor(self, terrain: Sequence[Body]) -> None:
-        """Move a floor that is not seen below terrain, so that it does not fill the valleys."""
-        for body in terrain:
-            lowest = pybullet.getAABB(body.body_id, physicsClientId=self.physics_client_id)[0][2]
-            if lowest < self.floor.pose().position[2]:
-                self.floor.place(Pose((0.0, 0.0, lowest), (0.0, 0.0, 0.0, 1.0), ()))
+    def lift(self, body: Body) -> standing.Lift:
+        """Move a robot upward until it is in nothing, see `standing.lift`."""
+        others = [other for other in self.bodies if not other.is_plane]
+        return standing.lift(body, self._planes(), others)
+
+    def _planes(self, added: Iterable[Body] = ()) -> List[Body]:
+        found = [body for body in (*self.bodies, *added) if body.is_plane]
+        return [self.floor, *found] if self.floor else found
 
     def unload(self, body: Body) -> None:
         """Remove a body that is not one of `bodies`, a robot."""
@@ -134,18 +138,6 @@ class World:
                 self.revision += 1
 
 
-def add_floor(physics_client_id: int, visible: bool = False) -> int:
-    """Add the floor, an infinite plane of which a square may be visible; return its body's id."""
-    plane = pybullet.createCollisionShape(pybullet.GEOM_PLANE, physicsClientId=physics_client_id)
-    slab = -1
-    if visible:
-        slab = pybullet.createVisualShape(
-            pybullet.GEOM_BOX, halfExtents=(_FLOOR_HALF_SIZE_M, _FLOOR_HALF_SIZE_M, 0.005),
-            visualFramePosition=(0, 0, -0.005), rgbaColor=_FLOOR_COLOR,
-            specularColor=(0, 0, 0), physicsClientId=physics_client_id)
-    return pybullet.createMultiBody(0, plane, slab, physicsClientId=physics_client_id)
-
-
 def load_bodies(trees: Sequence[Tree], physics_client_id: int, visuals: bool = False,
                 problems: Optional[Problems] = None) -> List[Tuple[Tree, FramedBody]]:
     """Load trees like `build.load`; return those that were loaded, with their bodies.
@@ -170,6 +162,7 @@ def load_bodies(trees: Sequence[Tree], physics_client_id: int, visuals: bool = F
                 problems.add(refused.problem, refused.advice)
                 continue
             body.name, body.is_terrain = tree.name, tree.model.terrain is not None
+            body.is_plane = tree.model.is_plane
             loaded.append((tree._replace(first=is_first), body))
             is_first = False
     return loaded

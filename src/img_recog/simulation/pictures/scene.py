@@ -12,9 +12,12 @@ from img_recog.formats.world_file import WorldFile
 from img_recog.model import Model
 from img_recog.simulation.physics import build
 from img_recog.simulation.physics.body import Body, Pose
-from img_recog.simulation.physics.world import add_floor, load_bodies
+from img_recog.simulation.physics.world import load_bodies
 from img_recog.simulation.pictures.link_colors import split_links_by_color
 from img_recog.simulation.simulator import Simulator
+
+_FLOOR_HALF_SIZE_M = 20.0
+_FLOOR_COLOR = (0.72, 0.72, 0.72, 1.0)
 
 
 class Scene(NamedTuple):
@@ -33,7 +36,7 @@ class SceneCopy:
         self.bodies: List[Body] = []
         self.load(scene)
         if floor:
-            add_floor(physics_client_id, visible=True)
+            _add_floor(physics_client_id)
 
     def load(self, scene: Scene) -> None:
         """Replace the bodies by those of a scene."""
@@ -56,6 +59,14 @@ class SceneCopy:
         """Move the bodies to the poses that `poses_of` returns for the simulation."""
         for body, pose in zip(self.bodies, poses):
             body.place(pose)
+
+
+def _add_floor(physics_client_id: int) -> None:
+    slab = pybullet.createVisualShape(
+        pybullet.GEOM_BOX, halfExtents=(_FLOOR_HALF_SIZE_M, _FLOOR_HALF_SIZE_M, 0.005),
+        visualFramePosition=(0, 0, -0.005), rgbaColor=_FLOOR_COLOR,
+        specularColor=(0, 0, 0), physicsClientId=physics_client_id)
+    pybullet.createMultiBody(0, -1, slab, physicsClientId=physics_client_id)
 
 
 def scene_of(simulator: Simulator) -> Scene:

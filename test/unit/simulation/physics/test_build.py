@@ -10,7 +10,7 @@ from PIL import Image
 from img_recog import mesh_file
 from img_recog.errors import SimulationError
 from img_recog.model import (BOX, FIXED, PLANE, SPHERE, WHOLE, Joint, Link, Look, Material, Model,
-                             Shape, Solid, Submesh)
+                             Shape, Submesh)
 from img_recog.rotations import IDENTITY, transform
 from img_recog.simulation.physics import build, mesh_cache
 from img_recog.simulation.physics.client import connect
@@ -201,11 +201,11 @@ def test_each_shape_of_a_link_in_the_window_has_its_own_color():
     assert [each[7][0] for each in data] == list(reds)
 
 
-def test_a_plane_is_the_upper_side_of_a_thin_box():
+def test_a_plane_is_seen_as_the_upper_side_of_a_thin_box():
     turned = transform((1, 2, 3), (0.0, math.pi / 2, 0.0))
     client = connect()
-    body = build.load(Model('r', (Link('a', solids=(Solid(Shape(PLANE, (4.0, 2.0)), turned),)),)),
-                      client, fixed=True)
-    shape, = pybullet.getCollisionShapeData(body, -1, physicsClientId=client)
+    body = build.load(Model('r', (Link('a', looks=(Look(Shape(PLANE, (4.0, 2.0)), turned),)),)),
+                      client, fixed=True, visuals=True)
+    shape, = pybullet.getVisualShapeData(body, physicsClientId=client)
     assert shape[2] == pybullet.GEOM_BOX and shape[3] == pytest.approx((4, 2, 0.01))
     assert shape[5] == pytest.approx((1 - 0.005, 2, 3))

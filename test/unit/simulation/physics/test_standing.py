@@ -8,7 +8,7 @@ from img_recog.simulation.models import Models, State
 from img_recog.simulation.physics import standing
 from img_recog.simulation.physics.body import Body, Pose
 from img_recog_testing.robots import assemble, burger, read, settings_of, simulator
-from img_recog_testing.sdf import sdf
+from img_recog_testing.sdf import BUILT_IN, sdf
 
 UPRIGHT, REST = (0.0, 0.0, 0.0, 1.0), (0.0, 0.0, 0.0)
 NAME = 'turtlebot3_burger'
@@ -28,7 +28,7 @@ def world(tmp_path):
                     'box': '<box><size>4 4 0.5</size></box>'}[kind]
         pose = '<pose>0 0 {} 0 0 0</pose>'.format(height - 0.25) if kind == 'box' else ''
         path = tmp_path / 'hall.world'
-        path.write_text(sdf(MODEL.format(pose, geometry)))
+        path.write_text(sdf(BUILT_IN, MODEL.format(pose, geometry)))
         return str(path)
     return make
 
@@ -145,7 +145,7 @@ class Boxes:
     def lift(self, bottom, *others):
         """Lift the cube, whose lower side is at a height; return how far, and its height then."""
         self.cube.place(Pose((self.X, self.Y, bottom + 0.1), UPRIGHT, ()))
-        lifted = standing.lift(self.cube, self.floor, others)
+        lifted = standing.lift(self.cube, [self.floor], others)
         assert self.cube.pose().position[:2] == pytest.approx((self.X, self.Y))
         assert self.cube.pose().position[2] - 0.1 == pytest.approx(
             bottom + lifted.height_m, abs=1e-6)

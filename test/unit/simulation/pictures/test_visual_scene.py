@@ -21,9 +21,9 @@ from img_recog_testing.sdf import BUILT_IN, CRATE, SHELF, sdf
 def hall(tmp_path):
     """The path of a world with a static shelf and a crate."""
     path = tmp_path / 'hall.world'
-    path.write_text(sdf(SHELF.replace('</link>', '<visual name="v"><pose>0 0 0.5 0 0 0</pose>'
-                                      '<geometry><sphere><radius>0.1</radius></sphere></geometry>'
-                                      '</visual></link>'), CRATE.format('-1 0 0.1 0 0 0')))
+    path.write_text(sdf(BUILT_IN, SHELF.replace(
+        '</link>', '<visual name="v"><pose>0 0 0.5 0 0 0</pose><geometry><sphere><radius>0.1'
+        '</radius></sphere></geometry></visual></link>'), CRATE.format('-1 0 0.1 0 0 0')))
     return str(path)
 
 

@@ -1,0 +1,71 @@
+"""Planes carry without end, where Gazebo 11 has them: figures of it."""
+import pybullet
+import pytest
+
+from img_recog.formats import world_file
+from img_recog.simulation.physics.client import connect
+from img_recog.simulation.physics.world import World
+from img_recog.simulation.settings import PhysicsSettings
+from img_recog_testing.sdf import sdf
+
+GROUND = '<include><uri>model://ground_plane</uri>{}</include>'
+INLINE = ('<model name="ground_plane"><pose>{}</pose><static>1</static><link name="link">{}</link>'
+          '</model>')
+PLANE = ('<model name="p"><pose>{}</pose><static>{}</static><link name="l"><pose>{}</pose>'
+         '<collision name="c"><pose>{}</pose><geometry><plane><normal>{}</normal>'
+         '<size>2 2</size></plane></geometry></collision></link></model>')
+FLAT = '<collision name="c"><geometry><plane/></geometry></collision>'
+BALL = ('<model name="ball"><pose>{}</pose><link name="l"><collision name="c"><geometry><sphere>'
+        '<radius>0.1</radius></sphere></geometry></collision></link></model>')
+ORIGIN = '0 0 0 0 0 0'
+
+
+def build(tmp_path, *models):
+    path = tmp_path / 'hall.world'
+    path.write_text(sdf(*models))
+    return World(PhysicsSettings(), world_file.read(str(path), {}), connect())
+
+
+def fallen(world, name, seconds):
+    """Return where a body is after some time."""
+    body, = [body for body in world.bodies if body.name == name]
+    world.step(round(seconds / world.step_s))
+    return body.pose().position
+
+
+@pytest.mark.parametrize('models, ball, seconds, position', [
+    ([GROUND.format('')], '0 0 1', 1, (0, 0, 0.1)),
+    ([GROUND.format('<pose>0 0 1 0 0 0</pose>')], '0 0 3', 1.5, (0, 0, 1.1)),
+    ([GROUND.format('<pose>0 0 0 0 0.2 0</pose>')], '0 0 1', 1.5, (0, 0, 0.1)),
+    ([GROUND.format('<pose>0 0 -1 0 0 0</pose><name>second</name>'),
+      INLINE.format('0 0 0.5 0 0 0', FLAT)], '200 0 4', 1.5, (200, 0, 0.6)),
+    ([INLINE.format(ORIGIN, FLAT)], '200 0 1', 1, (200, 0, 0.1)),
+    ([PLANE.format('0 0 2 0 0 0', 0, ORIGIN, ORIGIN, '0 0 1')], '6 0 4', 1.5, (6, 0, 2.1)),
+    ([], '0 0 1', 1, (0, 0, -3.9049))])
+def test_where_a_ball_comes_to_rest(tmp_path, models, ball, seconds, position):
+    world = build(tmp_path, *models, BALL.format(ball + ' 0 0 0'))
+    assert fallen(world, 'ball', seconds) == pytest.approx(position, abs=2e-3)
+
+
+def test_the_plane_of_what_moves_stays(tmp_path):
+    world = build(tmp_path, PLANE.format('0 0 2 0 0 0', 0, ORIGIN, ORIGIN, '0 0 1'))
+    assert fallen(world, 'p', 1.5) == pytest.approx((0, 0, -9.0323), abs=1e-3)
+
+
+@pytest.mark.parametrize('model, link, collision, normal, heights', [
+    ('0 0 1 0.2 0.1 0', ORIGIN, ORIGIN, '0 0 1', (1, 1, 1)),
+    (ORIGIN, '0 0 1 0 0.2 0', ORIGIN, '0 0 1', (1, 1, 1)),
+    (ORIGIN, ORIGIN, '0 0 1 0.3 0 0', '0 0 1', (1, 1, 1)),
+    ('0 0 1 0 0 0', ORIGIN, ORIGIN, '0 0 2', (0.5, 0.5, 0.5)),
+    ('0 0 1 0 0 0', '0 0 1 0 0 0', ORIGIN, '0.6 0 1.6', (1.25, 0.125, 1.25)),
+    ('1 0 1 0 0 1.5708', '1 0 0.5 0 0 0', '1 0 0.25 0 0 0', '0.6 0 0.8',
+     (2.1875, -0.0625, 2.1875)),
+    ('1 0 1 0.3 0 0', '1 0 0.5 0 0.2 0', '1 0 0.25 0 0 0', '0.6 0 0.8',
+     (1.9024, -0.3476, 1.9024))])
+def test_no_pose_turns_a_plane_and_its_height_alone_moves_it(tmp_path, model, link, collision,
+                                                             normal, heights):
+    world = build(tmp_path, PLANE.format(model, 1, link, collision, normal))
+    found = pybullet.rayTestBatch([(x, y, 9) for x, y in ((0, 0), (3, 0), (0, 3))],
+                                  [(x, y, -9) for x, y in ((0, 0), (3, 0), (0, 3))],
+                                  physicsClientId=world.physics_client_id)
+    assert [hit[3][2] for hit in found] == pytest.approx(heights, abs=1e-4)
