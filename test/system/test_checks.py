@@ -68,7 +68,7 @@ def test_a_world_with_and_without_what_it_includes(run, tmp_path):
         'state      what        value                                             from',
         'simulated  model wall  static, 0.1 x 4 x 2 m',
         'simulated  models      1, 0.1 x 4 x 2 m',
-        'simulated  floor       at z 0, drawn',
+        'simulated  floor       at z 0',
         'simulated  gravity     0 0 -9.8 m/s2',
         'simulated  drawn       1 shapes, 12 triangles, 0 mesh files, 0 textures'])
     (tmp_path / 'part.sdf').write_text(sdf(BUILT_IN, WALL, CHAIR))

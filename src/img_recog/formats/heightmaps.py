@@ -55,10 +55,10 @@ def shape(name: str, element: ElementTree.Element, find: FindFile) -> Tuple[Shap
 def read(shape: Shape) -> Heightmap:
     """Return the heights of a HEIGHTMAP.
 
-    As in Gazebo (ImageHeightmap::FillHeightMap), the upper row of the image has the largest y,
-    the brightest pixel the height <size> z, black the height 0, and <sampling> - 1 points stand
-    between two pixels. Where that gives more than 513 points on a side, there are none; more than
-    1025 pixels are reduced.
+    As in Gazebo 11 (ImageHeightmap::FillHeightMap), the upper row of the image has the largest y,
+    white the height <size> z if a pixel has the value 1, else the brightest pixel, and <sampling>
+    - 1 points stand between two pixels. Where that gives more than 513 points on a side, there are
+    none; more than 1025 pixels are reduced.
     Raises SimulationError when the image cannot be read.
     """
     try:
@@ -72,9 +72,9 @@ def read(shape: Shape) -> Heightmap:
 def _heightmap(path: str, _: int, width: float, depth: float, top: float,
                sampling: int) -> Heightmap:
     """Return the heightmap of an image; the time of its last change makes another one of it."""
-    pixels = _pixels(path)
+    pixels, brightest = _pixels(path)
     rows, columns = (_coordinates(count, sampling) for count in pixels.shape)
-    heights = _interpolated(pixels, rows, columns) * abs(top) / (pixels.max() or 1.0)
+    heights = _interpolated(pixels, rows, columns) * abs(top) / (brightest or 1.0)
     if top < 0:
         heights = 1.0 - heights     # Gazebo does so
     heights = np.ascontiguousarray(heights[::-1])
@@ -110,17 +110,24 @@ def material(element: ElementTree.Element, find: FindFile) -> Material:
     return Material((1.0, 1.0, 1.0, 1.0), os.path.abspath(path), (width, depth))
 
 
-def _pixels(path: str) -> np.ndarray:
-    """Return the first channel of an image, (rows, columns), as numbers."""
+def _pixels(path: str) -> Tuple[np.ndarray, float]:
+    """Return the pixels of an image, (rows, columns), and the value that has the whole height.
+
+    Of colors, blue counts, and the value is that of the brightest color; Gazebo takes a 1 in it
+    for white. Of 16 bits, which Gazebo reads wrongly, white has the whole height.
+    """
     from PIL import Image       # takes time, and few worlds have one
     try:
         with open(path, 'rb', opener=plain) as file, Image.open(file) as image:
             if image.width * image.height > _MAX_PIXELS or min(image.size) < 2:
                 raise ValueError('{}x{} pixels, expected 2 to {} in all, on a side 2 or more'
                                  .format(image.width, image.height, _MAX_PIXELS))
-            if image.mode not in ('L', 'I', 'I;16', 'I;16B'):
-                image = image.convert('RGB').getchannel(0)
-            return np.array(image, float)
+            if image.mode in ('I', 'I;16', 'I;16B'):
+                return np.array(image, float), 65535.0
+            colors = np.array(image.convert('RGB')).reshape(-1, 3)
+            pixels = colors[:, 2].reshape(image.height, image.width).astype(float)
+            colors[colors == 1] = 255
+            return pixels, float(colors[colors.sum(axis=1, dtype=np.uint16).argmax(), 2])
     except Exception as error:      # Pillow raises errors of many types
         raise SimulationError('heightmap {}: {}'.format(path, one_line(error)),
                               'give a PNG or JPEG file')

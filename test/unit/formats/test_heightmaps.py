@@ -66,13 +66,28 @@ def test_the_heights_are_where_gazebo_has_them(hills, sampling):
 
 
 @pytest.mark.parametrize('pixels, mode, size, expected', [
-    (PIXELS.astype(np.uint16) * 257, 'I;16', 2, PIXELS / 100),
-    (np.stack([PIXELS, 255 - PIXELS, PIXELS // 2], axis=2), 'RGB', 2, PIXELS / 100),
+    (PIXELS.astype(np.uint16) * 257, 'I;16', 2, PIXELS / 127.5),
+    (np.stack([255 - PIXELS, PIXELS, PIXELS], axis=2), 'RGB', 2, PIXELS / 100),
     (PIXELS * 0, None, 2, PIXELS * 0.0), (PIXELS, None, -2, 1 - PIXELS / 100),
     (PIXELS, None, 0, PIXELS * 0.0)])
 def test_kinds_of_images(hills, pixels, mode, size, expected):
     world = build(hills(size, pixels=pixels, mode=mode))
     assert heights(world, *grid(3, 5)) == pytest.approx(expected.ravel() + 1.5, abs=2e-3)
+
+
+@pytest.mark.parametrize('pixel, others, height', [
+    (100, [], 1), (100, [200], 0.5), (100, [1], 0.3922), (100, [1, 200], 0.3922),
+    (100, [2, 0], 1), (1, [], 0.0039), ((100, 150, 50), [], 1),
+    ((100, 150, 50), [(200, 20, 90)], 0.5556), ((100, 150, 50), [(20, 200, 90)], 0.5556),
+    ((100, 150, 50), [(1, 1, 1)], 0.1961), ((100, 150, 50), [(1, 0, 0)], 1),
+    ((100, 150, 50), [(0, 0, 1)], 1)])
+def test_which_pixel_has_the_whole_height_in_gazebo(tmp_path, pixel, others, height):
+    pixels = np.full((17, 17, *np.shape(pixel)), pixel, np.uint8)
+    for column, other in enumerate(others):
+        pixels[0, column] = other
+    Image.fromarray(pixels).save(str(tmp_path / 'flat.png'))
+    shape = Shape(HEIGHTMAP, (6.0, 6.0, 1.0, 2), str(tmp_path / 'flat.png'))
+    assert heightmaps.read(shape).heights[16, 16] == pytest.approx(height, abs=1e-4)
 
 
 def test_a_crate_rests_on_it(hills):
@@ -199,12 +214,13 @@ def test_images_of_a_wrong_size_are_refused(tmp_path, size, words):
 
 @pytest.mark.parametrize('mode', ['I', 'I;16B', 'I;16', 'L', 'F'])
 def test_images_of_one_channel_keep_their_steps(tmp_path, mode):
-    values = np.array([[0, 1], [2, 4]] if mode in 'LF' else [[0, 1000], [300, 4000]])
+    values, white = (np.array([[0, 51], [102, 204]]), 204) if mode in 'LF' else (
+        np.array([[0, 1000], [300, 65535]]), 65535)
     types = {'I': '<i4', 'I;16B': '>u2', 'I;16': '<u2', 'L': 'u1', 'F': '<f4'}
     Image.frombytes(mode, (2, 2), values.astype(types[mode]).tobytes()).save(
         str(tmp_path / 'a.tif'))
     found = heightmaps.read(Shape(HEIGHTMAP, (3, 4, 2, 1), str(tmp_path / 'a.tif')))
-    assert found.heights == pytest.approx(values[::-1] * 2 / values.max())
+    assert found.heights == pytest.approx(values[::-1] * 2 / white)
     assert found.size == (3, 4) and found.middle == pytest.approx(1)
 
 
@@ -214,7 +230,7 @@ def test_a_mesh_of_many_points_is_drawn_with_fewer(tmp_path):
         Shape(HEIGHTMAP, (8, 4, 2, 2), str(tmp_path / 'a.png'))))
     corners = part.positions.reshape(-1, 3)
     assert len(np.unique(corners[:, 0])) == 257 and len(np.unique(corners[:, 1])) == 3
-    assert corners[:, 2] == pytest.approx((corners[:, 0] + 4) / 4, abs=1e-5)
+    assert corners[:, 2] == pytest.approx((corners[:, 0] + 4) / 4 * 199 / 255, abs=1e-5)
 
 
 @pytest.mark.parametrize('inside, scale', [
