@@ -1,10 +1,8 @@
 """Runs pieces by Dask: in processes on this machine, or on the workers of a scheduler."""
 import contextlib
 import logging
-import os
 import shlex
 import signal
-import subprocess
 import tempfile
 import time
 import warnings
@@ -91,7 +89,8 @@ def _local(jobs: int, interrupts: Interrupts) -> Iterator[Client]:
         with _starting_workers(interrupts):
             dask.config.set({**_QUIET, **_CRASHES})
             folder = stack.enter_context(tempfile.TemporaryDirectory())
-            security = _security(folder)
+            # Whoever else is on this machine reaches the loopback, and Dask would run his code
+            security = Security.temporary()
             common = {'host': '127.0.0.1', 'protocol': 'tls://', 'security': security}
             worker = {'cls': Nanny, 'options': {
                 **common, 'worker_class': _Worker, 'nthreads': 1, 'memory_limit': 0,
@@ -103,26 +102,6 @@ def _local(jobs: int, interrupts: Interrupts) -> Iterator[Client]:
             client = stack.enter_context(Client(cluster, set_as_default=False))
             client.register_worker_plugin(_FewRecords())
         yield client
-
-
-def _security(folder: str) -> Security:
-    """Return what lets only those connect who read a key in a folder: this user.
-
-    Whoever else is on this machine reaches the loopback, and Dask would run his code.
-    """
-    key, certificate = (os.path.join(folder, name) for name in ('key.pem', 'certificate.pem'))
-    try:
-        subprocess.run(
-            ['openssl', 'req', '-x509', '-newkey', 'ec', '-pkeyopt', 'ec_paramgen_curve:P-256',
-             '-nodes', '-days', '3650', '-subj', '/CN=img_recog', '-keyout', key,
-             '-out', certificate], check=True, stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
-            universal_newlines=True)
-    except (OSError, subprocess.CalledProcessError) as error:
-        raise UserError('cannot make a key for the processes of --jobs: {}'.format(
-            one_line(getattr(error, 'output', None) or error)), 'install openssl, or use --jobs 1')
-    return Security(require_encryption=True, tls_ca_file=certificate, **{
-        'tls_{}_{}'.format(role, kind): path for role in ('client', 'scheduler', 'worker')
-        for kind, path in (('key', key), ('cert', certificate))})
 
 
 @contextlib.contextmanager

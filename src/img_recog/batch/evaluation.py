@@ -3,7 +3,7 @@
 The functions of pieces are here; `evaluate_job` puts their results together.
 """
 import functools
-from typing import Dict, List, NamedTuple, Sequence, Tuple
+from typing import Dict, Iterator, List, NamedTuple, Sequence, Tuple
 
 import numpy as np
 
@@ -14,10 +14,10 @@ from img_recog.recognition.commands import Command, Commander
 from img_recog.recognition.fitting.score import Score
 from img_recog.recognition.settings import RecognitionSettings
 from img_recog.recordings import parts
-from img_recog.recordings.frames import SECOND_NS, Frame, Frames, Part, Remarks
+from img_recog.recordings.frames import SECOND_NS, Frame, Part, Remarks
 from img_recog.replay import scenario
-from img_recog.replay.chain import ColorRecognition, FrameMeasurement, FrameResult, Recorder
-from img_recog.replay.loop import Loop
+from img_recog.replay.chain import (Chain, ColorRecognition, FrameMeasurement, FrameResult,
+                                    Recorder)
 from img_recog.simulation.settings import SpawnSettings
 
 
@@ -108,9 +108,10 @@ def drive(paths: Sequence[str], measured: Measured, number: int, world: str,
     built = scenario.build(paths[1] if len(paths) > 1 else world, resources.burger(), spawn)
     try:
         recorder = _Recorder()
-        loop = Loop(built.simulator, _Frames(measured), _Known(settings, areas_px), False,
-                    [recorder])
-        loop.run(loop.measurements)
+        chain = Chain(built.simulator, ColorRecognition(settings), False, [recorder])
+        stamps_ns = measured.stamps_ns
+        period_ns = (stamps_ns[-1] - stamps_ns[0]) // max(1, len(stamps_ns) - 1)
+        chain.end(chain.run(_without_images(measured, areas_px)) + period_ns)
     finally:
         built.simulator.close()
     return Driven(recorder.commands, np.array(recorder.poses).reshape(-1, 3))
@@ -123,31 +124,10 @@ def _commands(settings: RecognitionSettings, stamps_ns: Sequence[int], areas_px:
             for stamp_ns, areas in zip(stamps_ns, areas_px.tolist())]
 
 
-class _Frames(Frames):
-    """The frames of a recording, without their images."""
-
-    def __init__(self, measured: Measured):
-        super().__init__('')
-        self._measured, self.expected = measured, len(measured.numbers)
-        self.remarks = measured.remarks
-        stamps_ns = measured.stamps_ns
-        self.period_ns = (stamps_ns[-1] - stamps_ns[0]) // max(1, len(stamps_ns) - 1)
-
-    def read(self):
-        for number, stamp_ns in zip(self._measured.numbers, self._measured.stamps_ns):
-            yield Frame(number, stamp_ns, None, np.empty((0, 0, 3), np.uint8), 'rgb8')
-
-
-class _Known(ColorRecognition):
-    """Decides by areas that are known already."""
-
-    def __init__(self, settings: RecognitionSettings, areas_px: np.ndarray):
-        super().__init__(settings)
-        self._areas_px = areas_px
-
-    def measure(self, frames):
-        return (FrameMeasurement(frame, areas, [None] * len(areas))
-                for frame, areas in zip(frames, self._areas_px.tolist()))
+def _without_images(measured: Measured, areas_px: np.ndarray) -> Iterator[FrameMeasurement]:
+    for number, stamp_ns, areas in zip(measured.numbers, measured.stamps_ns, areas_px.tolist()):
+        frame = Frame(number, stamp_ns, None, np.empty((0, 0, 3), np.uint8), 'rgb8')
+        yield FrameMeasurement(frame, areas, [None] * len(areas))
 
 
 class _Recorder(Recorder):

@@ -4,7 +4,7 @@ from typing import IO, Any, Dict, List, Mapping, NamedTuple, Sequence, Tuple
 
 from img_recog import files, results
 from img_recog.batch.fit_pieces import CHECK, FIT
-from img_recog.batch.fit_result import Choice, Statistics, Worst, rows
+from img_recog.batch.fit_result import Choice, Statistics, Worst
 from img_recog.batch.fit_settings import BaseSettings, as_yaml, settings_of
 from img_recog.batch.stages import Results
 from img_recog.batch.work import Piece
@@ -131,25 +131,26 @@ class Report:
     def _write_table(self, file: IO[bytes], measured: Results, chosen: Chosen
                      ) -> Tuple[Worst, List[Piece]]:
         """Write the table; return the worst frames in it, and the pieces that they are in."""
-        worst = Worst(len(self._colors))
+        worst, size = Worst(chosen.choices, chosen.size_index), chosen.size_index
         pieces: List[Piece] = []
         with results.csv_table(file, ['recording', 'frame', 'time_s', 'samples', *(
                 color + suffix for color in self._colors for suffix in (
                     '_px', '_seen', '_in_view', '_inside_px', '_wrong_px', '_missed_px'))]
                                ) as table:
             for piece, each in measured:
-                for index, row in enumerate(rows(each, chosen.choices, chosen.size_index)):
-                    used = int(each.chosen[index])
+                for row, used in enumerate(each.chosen.tolist()):
                     cells: List[Any] = []
-                    for color, (part, choice) in enumerate(zip(row, chosen.choices)):
-                        cells += [part.area_px, int(part.area_px > choice.limit.area_px),
-                                  *(('', '', '', '') if used < 0 else (
-                                      '' if part.in_view < 0 else part.in_view, *part.score))]
-                        if used >= 0:
-                            worst.add(color, part, choice.limit, len(pieces), index)
-                    table.writerow([piece.key, int(each.frames[index]),
-                                    '{:.6f}'.format(each.times_s[index]),
+                    for color, (candidate, limit) in enumerate(chosen.choices):
+                        area_px = int(each.areas[row, candidate, color, size])
+                        in_view = int(each.in_view[row, color])
+                        cells += [area_px, int(area_px > limit.area_px)]
+                        cells += [''] * 4 if used < 0 else [
+                            '' if in_view < 0 else in_view,
+                            *each.pixels[row, candidate, color, size].tolist()]
+                    table.writerow([piece.key, int(each.frames[row]),
+                                    '{:.6f}'.format(each.times_s[row]),
                                     _SAMPLES[used] if used >= 0 else '', *cells])
+                worst.add(len(pieces), each)
                 pieces.append(piece)
         return worst, pieces
 

@@ -1,6 +1,5 @@
 """From the measurements of all frames to the limits of the colors, and what is worst."""
-import heapq
-from typing import Dict, Iterator, List, NamedTuple, Sequence, Tuple
+from typing import Dict, List, NamedTuple, Sequence, Tuple
 
 import numpy as np
 
@@ -94,45 +93,34 @@ class Statistics:
         return self._areas.setdefault(key, Areas())         # type: ignore[arg-type]
 
 
-class Row(NamedTuple):
-    """A row of the table for one color of a frame, by what was chosen."""
-
-    area_px: int
-    in_view: int
-    score: Score
-
-
-def rows(measured: Measured, choices: Sequence[Choice], size_index: int
-         ) -> Iterator[List[Row]]:
-    """Yield the rows of the colors of each frame."""
-    for index in range(len(measured.frames)):
-        yield [Row(int(measured.areas[index, choice.candidate, color, size_index]),
-                   int(measured.in_view[index, color]),
-                   Score(*map(int, measured.pixels[index, choice.candidate, color, size_index])))
-               for color, choice in enumerate(choices)]
-
-
 class Worst:
     """The frames of each color with the most wrong pixels."""
 
-    def __init__(self, colors: int):
-        self._frames: List[List[WorstFrame]] = [[] for _ in range(colors)]
+    def __init__(self, choices: Sequence[Choice], size_index: int):
+        self._choices, self._size_index = choices, size_index
+        self._frames: List[List[WorstFrame]] = [[] for _ in choices]
 
-    def add(self, color: int, row: Row, limit: Limit, source: int, index: int) -> None:
-        """Look at a frame; of one without labeled pixels, by how much its area is too small."""
-        wrong_px = row.score.wrong + row.score.missed
-        if row.in_view == 1 and not row.score.found and not row.score.missed:
-            wrong_px = max(0, limit.area_px + 1 - row.area_px)
-        if wrong_px:
-            heapq.heappush(self._frames[color], WorstFrame(wrong_px, -source, -index))
-            if len(self._frames[color]) > _WORST:
-                heapq.heappop(self._frames[color])
+    def add(self, source: int, measured: Measured) -> None:
+        """Look at the frames with samples of a part.
+
+        Of one without labeled pixels, it counts by how much its area is too small.
+        """
+        for color, (candidate, limit) in enumerate(self._choices):
+            chosen = candidate, color, self._size_index
+            found, wrong, missed = measured.pixels[(slice(None), *chosen)].T
+            too_small = np.maximum(0, limit.area_px + 1 - measured.areas[(slice(None), *chosen)])
+            is_unlabeled = (measured.in_view[:, color] == 1) & (found + missed == 0)
+            wrong_px = np.where(is_unlabeled, too_small, wrong + missed)
+            wrong_px[measured.chosen < 0] = 0
+            frames = self._frames[color] + [
+                WorstFrame(int(wrong_px[row]), source, int(row))
+                for row in np.argsort(-wrong_px, kind='stable')[:_WORST] if wrong_px[row]]
+            self._frames[color] = sorted(frames, key=lambda frame: -frame.wrong_px)[:_WORST]
 
     def frames(self) -> List[Tuple[int, WorstFrame]]:
         """Return the frames with the numbers of their colors, the worst first, each once."""
         found: Dict[Tuple[int, int], Tuple[int, WorstFrame]] = {}
         for color, frames in enumerate(self._frames):
-            for frame in sorted(frames, reverse=True):
-                found.setdefault((frame.source, frame.row), (
-                    color, WorstFrame(frame.wrong_px, -frame.source, -frame.row)))
+            for frame in frames:
+                found.setdefault((frame.source, frame.row), (color, frame))
         return list(found.values())

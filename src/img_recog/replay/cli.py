@@ -90,7 +90,7 @@ def _parser() -> argparse.ArgumentParser:
                         'in the current folder)')
     parser.add_argument('--film', action='store_true',
                         help='also write a film, NAME.replay.mp4, of camera, masked images, map '
-                        'and charts; needs ffmpeg')
+                        'and charts')
     parser.add_argument('--no-teleop', dest='teleop', action='store_false',
                         help='do not send the zeros of the idle teleop: each command holds until '
                         'the next one')

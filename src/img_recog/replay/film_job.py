@@ -1,6 +1,5 @@
 """The program film: makes a film of a bag that was recorded in the running system."""
 import argparse
-import contextlib
 import logging
 import math
 import os
@@ -43,21 +42,17 @@ def _make(arguments: List[str], interrupts: Interrupts) -> str:
     files.refuse_input(output, path, 'filmed', 'give the film another name')
     settings = programs.recognition_settings(options.colors)
     frames = _frames(path, options)
-    with frames.bag, files.atomic_write(
-            [output], 'give a path that can be written') as (file,), \
-            contextlib.ExitStack() as stack:
+    with frames.bag, files.atomic_write([output], 'give a path that can be written') as (file,):
         messages = Messages(path, frames.bag, frames.topic, _KINDS,
                             {frames.topic: ('image', frames.message_type)})
         if messages.others:
             _log.warning('the film does not show %s', messages.others)
-        outlines = messages.outlines()
-        with interrupts.deferred():     # or else ffmpeg may be started and not be ended
-            film = stack.enter_context(Film(file, settings, outlines, output))
         with interrupts.deferred():     # the destructor of tqdm fails after half a constructor
             progress = tqdm(total=frames.expected, unit=' images', disable=None)
-        with progress:
-            end_s, images = _fill(film, messages, frames, progress)
-        film.close(end_s)
+        with Film(file, settings, messages.outlines()) as film:
+            with progress:
+                end_s, images = _fill(film, messages, frames, progress)
+            film.close(end_s)
     return '{}: {:.1f} s, {} of {}'.format(
         output, end_s, counted(images, 'image'), frames.topic)
 

@@ -71,11 +71,10 @@ def replay(options: argparse.Namespace, painter: Painter, begin_s: float,
             csv_file, TableRecorder.head(settings.color_names))))
         recorders: List[Recorder] = [bag, table, plot]
         film: 'Optional[Film]' = None
-        for file, path in zip(film_files, paths[len(_EXTENSIONS):]):
+        for file in film_files:
             # imported here because loading it takes time
             from img_recog.replay import film as films
-            film = stack.enter_context(films.Film(
-                file, settings, footprints(simulator.world), path))
+            film = stack.enter_context(films.Film(file, settings, footprints(simulator.world)))
             recorders.append(films.FilmRecorder(film))
         start_s = time.perf_counter()
         loop = Loop(simulator, frames, recognition, options.teleop, recorders)

@@ -106,7 +106,7 @@ class Samples:
             raise UserError('no film: there was no odometry')
         image = np.zeros((240, _MAX_WIDTH, 3), np.uint8)
         with files.atomic_write([path], _ADVICE) as (file,), \
-                Film(file, colors, outlines, path) as film:
+                Film(file, colors, outlines) as film:
             for pose, asked, jpeg in samples:
                 if jpeg is not None:
                     image = cv2.imdecode(jpeg, cv2.IMREAD_COLOR)

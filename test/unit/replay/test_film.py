@@ -1,6 +1,5 @@
-"""Films: what ffmpeg makes of their pictures."""
+"""Films: what is made of their pictures."""
 import errno
-import shutil
 import subprocess
 
 import numpy as np
@@ -9,8 +8,8 @@ import pytest
 from img_recog.camera.decoder import open_decoder
 from img_recog.errors import UserError
 from img_recog.recognition.settings import with_colors
-from img_recog.replay.film import RATE_HZ, Film, FilmWriter
-from img_recog.replay.film_picture import HEIGHT, WIDTH
+from img_recog.replay.film import RATE_HZ, Film
+from img_recog.replay.film_picture import HEIGHT, WIDTH, FilmPicture
 from img_recog_testing.films import SQUARE, card, frames_of
 
 SETTINGS = with_colors()()
@@ -30,12 +29,14 @@ def test_a_film_shows_each_image_until_the_next_one(tmp_path):
                                                               for pixel in blue[16:])
 
 
-def test_a_film_has_the_colors_of_its_pictures_and_states_how_they_were_coded(tmp_path):
+def test_a_film_has_the_colors_of_its_pictures_and_states_how_they_were_coded(
+        tmp_path, monkeypatch):
     path, color = str(tmp_path / 'out.mp4'), (20, 200, 30)
-    with open(path, 'w+b') as file:
-        writer = FilmWriter(file, WIDTH, HEIGHT, RATE_HZ)
-        writer.write(np.full((HEIGHT, WIDTH, 3), color[::-1], np.uint8))
-        writer.close()
+    monkeypatch.setattr(FilmPicture, 'draw', lambda *_: np.full(
+        (HEIGHT, WIDTH, 3), color[::-1], np.uint8))
+    with open(path, 'w+b') as file, Film(file, SETTINGS, []) as film:
+        film.add(0.0, card(), 'bgr8')
+        film.close(0.1)
     with open_decoder(path, WIDTH * HEIGHT) as decoder:
         assert np.abs(decoder.read().mean(axis=(0, 1)) - color).max() < 4
     assert subprocess.run(
@@ -43,30 +44,18 @@ def test_a_film_has_the_colors_of_its_pictures_and_states_how_they_were_coded(tm
         stdout=subprocess.PIPE).stdout.strip() == b'smpte170m'
 
 
-def test_without_ffmpeg(tmp_path, monkeypatch):
-    monkeypatch.setattr(shutil, 'which', lambda _: None)
+def test_what_ffmpeg_cannot_encode_is_one_line(tmp_path, monkeypatch):
+    monkeypatch.setattr('img_recog.replay.film._FORMAT', 'yuv1')
     with open(str(tmp_path / 'part'), 'w+b') as file:
-        with pytest.raises(UserError) as refused:
-            FilmWriter(file, WIDTH, HEIGHT, RATE_HZ, 'out.mp4')
-    assert str(refused.value) == (
-        'cannot write out.mp4: there is no program ffmpeg; install the package ffmpeg')
+        with pytest.raises(UserError, match='^cannot encode the film: [^\n]+; see whether PyAV '
+                           'has the encoder libx264'):
+            Film(file, SETTINGS, [])
 
 
-def test_an_error_of_ffmpeg_is_one_line(tmp_path):
-    with open(str(tmp_path / 'part'), 'w+b') as file:
-        writer = FilmWriter(file, 0, HEIGHT, RATE_HZ, 'out.mp4')
-        with pytest.raises(UserError, match='^cannot write out.mp4: ffmpeg: [^\n]+; see whether '
-                           'ffmpeg works and has the encoder libx264: ffmpeg -encoders$'):
-            for _ in range(100):
-                writer.write(np.zeros((HEIGHT, WIDTH, 3), np.uint8))
-            writer.close()
-
-
-def test_an_error_of_a_real_ffmpeg_on_a_full_disk():
-    with open('/dev/full', 'r+b') as file:
-        writer = FilmWriter(file, WIDTH, HEIGHT, RATE_HZ)
-        with pytest.raises(OSError) as raised:
-            for _ in range(100):
-                writer.write(np.zeros((HEIGHT, WIDTH, 3), np.uint8))
-            writer.close()
+def test_a_full_disk_is_named():
+    with open('/dev/full', 'r+b') as file, pytest.raises(OSError) as raised:
+        with Film(file, SETTINGS, []) as film:
+            for number in range(100):
+                film.add(number / RATE_HZ, card(), 'bgr8')
+            film.close(100 / RATE_HZ)
     assert (raised.value.errno, raised.value.filename) == (errno.ENOSPC, '/dev/full')
