@@ -186,5 +186,5 @@ def test_a_robot_that_does_not_drive(run, tmp_path):
         '<axis xyz="0 0 1"/>', '<axis xyz="0 1 0"/>'))
     code, lines = run('check_robot.py', 'my.urdf')
     assert code == 2, lines
-    assert any(line.startswith('warning: my.urdf: it does not drive: straight ')
+    assert any(line.startswith('warning: my.urdf: it does not drive as asked: straight ')
                for line in lines), lines

@@ -343,8 +343,21 @@ def test_a_robot_with_a_drive_is_added_with_its_topics_and_deleted(gazebo):
              'no topics')
 
 
+@pytest.mark.parametrize('tag, topic, problem', [
+    ('commandTopic', '/odom', 'a sensor and commands are on the topic /third/odom'),
+    ('odometryTopic', 'cmd_vel', 'a sensor and commands are on the topic /third/cmd_vel')])
+def test_a_robot_with_commands_on_the_topic_of_a_sensor_is_refused(gazebo, tag, topic, problem):
+    text = burger('<gazebo><plugin name="d" filename="libgazebo_ros_diff_drive.so"><{0}>{1}</{0}>'
+                  '</plugin></gazebo>'.format(tag, topic))
+    answer = call(gazebo, 'spawn_urdf_model', {
+        'model_name': 'third', 'model_xml': text, 'robot_namespace': 'third',
+        'initial_pose': pose(0.5, 0.55, 0.0)})
+    assert answer['success'] is False and problem in answer['status_message'], answer
+    assert names(gazebo) == NAMES
+
+
 @pytest.mark.parametrize('name, text, status', [
-    *((name, text, "model_name: got '{}', allowed is a text without :: and control".format(name))
+    *((name, text, "model_name: got '{}', allowed is a text that is not empty, ".format(name))
       for name in ('', ' ', 'a::b') for text in (GOAL, burger(DRIVE))),
     ('goal', 'no markup', 'model goal: '),
     ('goal', GOAL.replace('0.1 0.1 0.1', 'nan 1 1'), 'model goal: '),

@@ -1,4 +1,5 @@
 """The simulator as a process: refused input, parameters and tags, and robustness."""
+import functools
 import math
 import re
 
@@ -17,6 +18,8 @@ from img_recog_testing.waiting import wait_for
 pytestmark = pytest.mark.usefixtures('shared_ros')       # one master
 WIDE = ('<gazebo><plugin name="drive" filename="libgazebo_ros_diff_drive.so">'
         '<wheelSeparation>wide</wheelSeparation></plugin></gazebo>')
+TOPIC = ('<gazebo><plugin name="drive" filename="libgazebo_ros_diff_drive.so"><{0}>{1}</{0}>'
+         '</plugin></gazebo>')
 
 
 def wheel_mass(mass):
@@ -28,6 +31,10 @@ REFUSED = {
                     'set 0.033 or 0.034'),
     'two sensors': ('_imu_topic:=scan', burger, 'two sensors are on the topic /scan',
                     'give each another topic'),
+    **{tag + topic: ('', functools.partial(burger, TOPIC.format(tag, topic)),
+                     'the topic {} is not that of a robot'.format(topic), 'give its plugin')
+       for tag, topic in (('commandTopic', '/clock'), ('odometryTopic', '/tf'),
+                          ('odometryTopic', '/rosout'))},
     'odometry source': ('_odometry_source:=gps', burger, "/gazebo/odometry_source: got 'gps'",
                         'one of encoder, world'),
     'view': ('_view:=below', burger, "/gazebo/view: got 'below'", 'one of above, follow'),
@@ -68,6 +75,13 @@ def test_warns_and_continues(simulate, parameter, addition, named):
     lines = complaints(node)
     assert len(lines) == 1 and lines[0].startswith('[WARN]') and named in lines[0], node.output
     assert 'Traceback' not in node.output
+
+
+def test_a_sensor_without_its_link_has_no_topic(ros, simulate):
+    node = simulate(urdf=burger().replace('imu_link', 'a_link'))
+    node.wait_output('simulating 1.0017 kg')
+    topics = ros.run('rostopic', 'list').split()
+    assert '/scan' in topics and '/imu' not in topics
 
 
 # -- parameters and tags

@@ -23,7 +23,9 @@ from img_recog.simulation.vehicle import Vehicle
 
 _LINEAR, _ANGULAR = 0.2, 0.5            # commands in m/s and rad/s
 _SECONDS, _COMMAND_PERIOD_S = 2.0, 0.1
-_MOVES = 0.2        # of the command; skid-steered robots turn by a third of theirs
+# of the command; robots whose wheels slip when they turn do so by a third of theirs
+_DRIVES, _SLIPS = 0.9, 0.2
+_TURNING = 'turning'
 _WHEELS = 'see the axes, the shapes and the friction of its wheels'
 # units of what is always shown
 _OF_WHEELS = {'left_joint': '', 'right_joint': '', 'wheel_separation': ' m',
@@ -53,7 +55,9 @@ def check(path: str, parameters: Sequence[str] = ()) -> Report:
             *(Row(NOT_DRAWN, each) for each in robot.model.missing_looks),
             *seen.rows]
     driven = list(_driven(robot, simulator))
-    still = [each for each in driven if abs(each.got) < _MOVES * each.asked]
+    slips = max(len(settings.drive.left_joints), len(settings.drive.right_joints)) > 1
+    still = [each for each in driven if each.got < each.asked * (
+        _SLIPS if slips and each.what == _TURNING else _DRIVES)]
     unmounted = [each.name for each in robot.sensors
                  if each.values and each.name in vehicle.missing_sensors]
     missing = (*robot.model.left_out, *unmounted, *robot.not_simulated, *robot.findings,
@@ -156,7 +160,7 @@ class _Driven(NamedTuple):
                    'asked {:g} {}'.format(self.asked, self.unit))
 
     def warning(self, source: str) -> str:
-        return '{}: it does not drive: {} {:.3f} {}, asked {:g}; {}'.format(
+        return '{}: it does not drive as asked: {} {:.3f} {}, asked {:g}; {}'.format(
             source, self.what, self.got, self.unit, self.asked, _WHEELS)
 
 
@@ -169,7 +173,7 @@ def _driven(robot: RobotSource, simulator: Simulator) -> Iterator[_Driven]:
     linear = min(_LINEAR, drive.max_linear_velocity or _LINEAR)
     angular = min(_ANGULAR, drive.max_angular_velocity or _ANGULAR)
     for what, command, unit in (('straight', (linear, 0.0), 'm/s'),
-                                ('turning', (0.0, angular), 'rad/s')):
+                                (_TURNING, (0.0, angular), 'rad/s')):
         simulator.reset_world()
         _drive_on(simulator, command)
         start = vehicle.robot.motion()

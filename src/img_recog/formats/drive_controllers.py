@@ -19,6 +19,7 @@ CORNERS = {'left_joint': ('leftFrontJoint', 'leftRearJoint'),
            'right_joint': ('rightFrontJoint', 'rightRearJoint')}
 _JOINT_STATES = 'joint_state_controller/JointStateController'       # always simulated
 _AXES = {'linear': 'linear/x', 'angular': 'angular/z'}
+_OF_FETCH = 'l_wheel_joint', 'r_wheel_joint'      # parameters, and their defaults
 _NO_LIMIT = 1e6         # N m, of a joint without a limit of its effort
 
 
@@ -100,15 +101,16 @@ def find(robot: ElementTree.Element, find_controllers: FindControllers,
     joints = {name_of(joint): joint for joint in robot.findall('joint')}
     controllers = of_robot(robot, find_controllers)
     for name, values in controllers.items():
-        read = TYPES.get(values['type'])
-        found = read and read(_Parameters(name, values, step_s), joints)
-        if found:
+        kind, parameters = TYPES.get(values['type']), _Parameters(name, values, step_s)
+        if kind and set(kind.wheels(parameters)) <= set(joints):    # else of another robot
+            found = kind.read(parameters, joints)
             values = dict(found.values)
             for other in controllers:
                 if controllers[other]['type'] == _JOINT_STATES:
                     _Parameters(other, controllers[other], step_s).add_period(
                         'joint_states_period_s', values)
-            return Drive(CONTROL, values, (*found.problems, *not_simulated(controllers, name)))
+            return Drive(CONTROL, values, (*found.problems, *not_simulated(
+                robot, controllers, name)))
     return None
 
 
@@ -161,21 +163,26 @@ def among(parameters: Any, namespace: str) -> Controllers:
             if isinstance(value, dict) and '/' in str(value.get('type', ''))}
 
 
-def not_simulated(controllers: Controllers, drive: str = '') -> Tuple[str, ...]:
+def not_simulated(robot: ElementTree.Element, controllers: Controllers,
+                  drive: str = '') -> Tuple[str, ...]:
     """Return the controllers that are not simulated; drive: the name of the one that is."""
-    return tuple('controller {} ({}{})'.format(
-        shortened(name), shortened(values['type']), ' of joints that the robot does not have'
-        if not drive and values['type'] in TYPES else '')
-        for name, values in controllers.items()
-        if name != drive and values['type'] != _JOINT_STATES)
+    joints = [name_of(joint) for joint in robot.findall('joint')]
+    found = []
+    for name, values in controllers.items():
+        if name != drive and values['type'] != _JOINT_STATES:
+            kind = None if drive else TYPES.get(values['type'])
+            missing = [wheel for wheel in kind.wheels(_Parameters(name, values, 0.0))
+                       if wheel not in joints] if kind else []
+            found.append('controller {} ({}{})'.format(
+                shortened(name), shortened(values['type']),
+                ': the robot has no joint {}'.format(shortened(', '.join(missing)))
+                if missing else ''))
+    return tuple(found)
 
 
-def _diff_drive(parameters: _Parameters,
-                joints: Dict[str, ElementTree.Element]) -> Optional[Drive]:
+def _diff_drive(parameters: _Parameters, joints: Dict[str, ElementTree.Element]) -> Drive:
     """Read those of diff_drive_controller."""
     left, right = parameters.names('left_wheel'), parameters.names('right_wheel')
-    if not {*left, *right} <= set(joints):
-        return None         # of another robot
     radius = parameters.number('wheel_radius_multiplier', 1.0)
     values: Values = {
         'left_joint': ', '.join(left), 'right_joint': ', '.join(right),
@@ -193,23 +200,14 @@ def _diff_drive(parameters: _Parameters,
     return Drive(CONTROL, values, _jerk(parameters))
 
 
-def _mecanum(parameters: _Parameters,
-             joints: Dict[str, ElementTree.Element]) -> Optional[Drive]:
+def _mecanum(parameters: _Parameters, _: Dict[str, ElementTree.Element]) -> Drive:
     """Read those of mecanum_drive_controller; the rollers of its wheels are not simulated."""
-    wheels = [name for corner in ('front_left', 'front_right', 'back_left', 'back_right')
-              for name in parameters.names(corner + '_wheel_joint')]
-    if not set(wheels) <= set(joints):
-        return None
     return Drive(CONTROL, {'drive': PLANAR, **_common(parameters)}, _jerk(parameters))
 
 
-def _fetch(parameters: _Parameters,
-           joints: Dict[str, ElementTree.Element]) -> Optional[Drive]:
+def _fetch(parameters: _Parameters, joints: Dict[str, ElementTree.Element]) -> Drive:
     """Read those of robot_controllers, with the defaults in its code, which are of Fetch."""
-    left = parameters.text('l_wheel_joint', 'l_wheel_joint')
-    right = parameters.text('r_wheel_joint', 'r_wheel_joint')
-    if not {left, right} <= set(joints):
-        return None
+    left, right = (parameters.text(name, name) for name in _OF_FETCH)
     return Drive(CONTROL, {
         'left_joint': left, 'right_joint': right,
         'wheel_separation': parameters.number('track_width', 0.37476),
@@ -226,11 +224,24 @@ def _fetch(parameters: _Parameters,
         'publish_odom_tf': parameters.flag('publish_tf', True)}, ())
 
 
+class _Kind(NamedTuple):
+    """wheels: returns the joints that the parameters name; read: what the drive is."""
+
+    wheels: Callable[[_Parameters], List[str]]
+    read: Callable[[_Parameters, Dict[str, ElementTree.Element]], Drive]
+
+
 # by the types that the controllers have
-TYPES: Dict[str, Callable[[_Parameters, Dict[str, ElementTree.Element]], Optional[Drive]]] = {
-    'diff_drive_controller/DiffDriveController': _diff_drive,
-    'mecanum_drive_controller/MecanumDriveController': _mecanum,
-    'robot_controllers/DiffDriveBaseController': _fetch}
+TYPES = {
+    'diff_drive_controller/DiffDriveController': _Kind(
+        lambda parameters: [name for side in ('left_wheel', 'right_wheel')
+                            for name in parameters.names(side)], _diff_drive),
+    'mecanum_drive_controller/MecanumDriveController': _Kind(
+        lambda parameters: [name for corner in ('front_left', 'front_right', 'back_left',
+                                                'back_right')
+                            for name in parameters.names(corner + '_wheel_joint')], _mecanum),
+    'robot_controllers/DiffDriveBaseController': _Kind(
+        lambda parameters: [parameters.text(name, name) for name in _OF_FETCH], _fetch)}
 
 
 def _common(parameters: _Parameters) -> Values:

@@ -4,12 +4,12 @@ drive_controllers.py has those of controllers of ros_control. Other paths are th
 plugins of gazebo_plugins have in ROS 2.
 """
 import xml.etree.ElementTree as ElementTree
-from typing import Optional
+from typing import List, Optional
 
 from img_recog.formats import drive_controllers
 from img_recog.formats.drive_controllers import CORNERS, Drive, FindControllers
-from img_recog.formats.gazebo_tags import (FLAG, NAME, NUMBER, POSITIVE, RATE, TOPIC, Row, Tags,
-                                           choice, is_of)
+from img_recog.formats.gazebo_tags import (FLAG, NAME, NAMES, NUMBER, POSITIVE, RATE, TOPIC, Row,
+                                           Tags, choice, is_of)
 from img_recog.model import PLANAR
 
 _WORLD, _ENCODER = 'world', 'encoder'
@@ -23,9 +23,17 @@ _UPDATE_RATE = (
     Row('odometry_period_s', RATE, 'plugin', 'updateRate', 'update_rate'),
     Row('joint_states_period_s', RATE, 'plugin', 'updateRate', 'update_rate'))
 
+
+def _other_sizes(plugin: ElementTree.Element) -> List[str]:
+    """Return the sizes of pairs of wheels that are not those of the first pair."""
+    return ['another <{}> of a pair of wheels'.format(tag)
+            for tag in ('wheel_separation', 'wheel_diameter')
+            if len({(each.text or '').strip() for each in plugin.findall(tag)}) > 1]
+
+
 DIFF_DRIVE = Drive(Tags(('gazebo_ros_diff_drive',), (
-    Row('left_joint', NAME, 'plugin', 'leftJoint', 'left_joint'),
-    Row('right_joint', NAME, 'plugin', 'rightJoint', 'right_joint'),
+    Row('left_joint', NAMES, 'plugin', 'leftJoint', 'left_joint'),
+    Row('right_joint', NAMES, 'plugin', 'rightJoint', 'right_joint'),
     Row('wheel_separation', NUMBER, 'plugin', 'wheelSeparation', 'wheel_separation'),
     Row('wheel_diameter', NUMBER, 'plugin', 'wheelDiameter', 'wheel_diameter'),
     Row('wheel_torque', NUMBER, 'plugin', 'max_wheel_torque'),
@@ -37,7 +45,7 @@ DIFF_DRIVE = Drive(Tags(('gazebo_ros_diff_drive',), (
         _WORLD: _WORLD, '1': _WORLD, _ENCODER: _ENCODER, '0': _ENCODER}), 'plugin',
         'odometrySource', 'odometry_source'),
     Row('publish_odom_tf', FLAG, 'plugin', 'publishOdomTF', 'publish_odom_tf'),
-    *_TOPICS, *_UPDATE_RATE)))
+    *_TOPICS, *_UPDATE_RATE), not_simulated=_other_sizes))
 
 PLUGINS = (
     DIFF_DRIVE,

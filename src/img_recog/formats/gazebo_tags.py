@@ -227,6 +227,8 @@ def _in_namespace(topic: str, plugin: ElementTree.Element) -> str:
 
 def _value(owner: ElementTree.Element, path: str, reader: Reader) -> Any:
     text = text_of(owner, path)
+    if reader is NAMES:
+        text = ', '.join(filter(None, ((each.text or '').strip() for each in owner.findall(path))))
     try:
         return reader.read(text)
     except (ValueError, KeyError):
@@ -261,6 +263,9 @@ def choice(expected: str, values: Dict[str, Any]) -> Reader:
 
 
 NAME = Reader('a name', lambda text: _topic(text).lstrip('/'))
+# of all elements at the path
+NAMES = Reader('names', lambda text: ', '.join(_topic(name).strip('/ ')
+                                               for name in text.split(',')))
 # in the <robotNamespace> of the plugin, unless it has a leading slash
 TOPIC = Reader('a name', _topic)
 NUMBER = Reader('a finite number', _number)

@@ -16,8 +16,9 @@ def check_model(name: str) -> None:
     """Raise SimulationError unless a model that is added can have a name."""
     check('model', name)
     if _NOT_OF_MODEL.search(name) or not name.strip():
-        raise SimulationError('model_name: got {}, allowed is a text without :: and control '
-                              'characters'.format(_begin(repr(name))), 'give it another name')
+        raise SimulationError('model_name: got {}, allowed is a text that is not empty, without '
+                              ':: and control characters'.format(_begin(repr(name))),
+                              'give it another name')
 
 
 def check(kind: str, name: str) -> None:

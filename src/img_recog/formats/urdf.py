@@ -36,9 +36,9 @@ def read(robot: ElementTree.Element, find: FindFile,
          controllers: FindControllers = drive_controllers.none) -> Model:
     """Return the links and joints of a <robot>.
 
-    controllers: returns those of ros_control that it can have. find: returns the path of a mesh's
-    or texture's URI. A shape whose mesh is not found is left out; where a link has no visual (or
-    collision) shape left because of that, it gets its collision (or visual) shapes.
+    find: returns the path of a mesh's or texture's URI. A shape whose mesh is not found is left
+    out; where a link has no visual (or collision) shape left because of that, it gets its
+    collision (or visual) shapes. controllers: returns those of ros_control that it can have.
     Raises SimulationError when a name is missing or used twice, a joint has no link at an end, or
     a number cannot be used.
     """

@@ -98,7 +98,7 @@ def read_robot(urdf: Union[str, ElementTree.Element], step_s: float, find: FindF
         raise _refused(source, error.problem, error.advice)
     of_tags = tuple(dict.fromkeys((*found.not_simulated, *of_cameras)))
     of_controllers = drive.problems if drive else drive_controllers.not_simulated(
-        drive_controllers.of_robot(root, controllers))
+        root, drive_controllers.of_robot(root, controllers))
     values = drive.settings(found.values) if drive else found.values
     other_drives = () if drive else tuple(
         part for part in (*found.not_simulated, *of_controllers)

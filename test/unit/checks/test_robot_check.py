@@ -112,6 +112,24 @@ def test_a_wheel_that_slips_is_measured_at_its_speed(check):
     assert 'wheel_diameter is 0.132 m, but in the URDF it is 0.066 m' in report.warnings[0]
 
 
+ROLLED = 'rpy="-1.57 0 0"/>\n    <axis xyz="0 0 1"/>'
+
+BACKWARD = 'rpy="-1.57 0 0"/><axis xyz="0 0 -1"/>'
+
+
+@pytest.mark.parametrize('axis', ['rpy="-1.57 0 0"/>', '/><axis xyz="0 0 1"/>',
+                                  '/><axis xyz="0 1 0"/>', BACKWARD],
+                         ids=['no axis', 'axis z', 'flat wheels', 'backward'])
+def test_a_robot_that_does_not_drive_as_asked_is_measured(check, axis):
+    report = check('', (ROLLED, axis))
+    (_, straight, _), = found(report, 'straight')
+    assert report.is_partial
+    assert axis == BACKWARD or any('the wheel of wheel_left_joint does not roll forward' in line
+                                   for line in report.warnings)
+    assert any('it does not drive as asked: straight {}, asked 0.2; see'.format(straight) in line
+               for line in report.warnings), report.warnings
+
+
 def test_a_robot_that_cannot_be_used_is_refused(check, tmp_path):
     assert refusal(check, '', ('wheel_left_joint', 'axle')).startswith(
         'cannot use the robot in {}: the robot has no movable joint wheel_left_joint'.format(

@@ -171,10 +171,12 @@ def test_of_two_drives_the_second_is_not_simulated():
 
 
 def test_where_none_drives_all_but_the_joint_states_are_not_simulated():
+    robot = ElementTree.fromstring('<robot><joint name="c"/></robot>')
     assert drive_controllers.not_simulated(
-        {'a': DIFF, 'b': {'type': 'a/Arm'}, 'c': JOINT_STATES}) == (
-            'controller a (diff_drive_controller/DiffDriveController of joints that the robot '
-            'does not have)', 'controller b (a/Arm)')
+        robot, {'a': DIFF, 'b': {'type': 'a/Arm'}, 'c': JOINT_STATES, 'd': FETCH}) == (
+            'controller a (diff_drive_controller/DiffDriveController: the robot has no joint a, '
+            'b)', 'controller b (a/Arm)', 'controller d (robot_controllers/DiffDriveBaseController'
+            ': the robot has no joint l_wheel_joint, r_wheel_joint)')
 
 
 @pytest.mark.parametrize('namespace, before', [('', ''), ('r/s', 'r/s/')])

@@ -3,6 +3,7 @@ import pytest
 
 from img_recog.formats import drive_controllers, drive_tags, urdf
 from img_recog.simulation import assembly
+from img_recog_testing import parsed
 from img_recog_testing.refusals import refusal
 from img_recog_testing.wheeled import controllers, plugin, robot, source
 
@@ -73,6 +74,21 @@ def test_the_names_of_tags_in_ros_2():
         wheel_torque=20.0, wheel_acceleration=2.0, odom_frame='map', odometry_period_s=0.02,
         joint_states_period_s=0.02,
         base_frame='base', odometry_source='encoder', publish_odom_tf=False)
+
+
+def test_several_pairs_of_wheels_in_ros_2():
+    tags = ('<num_wheel_pairs>2</num_wheel_pairs><left_joint>a</left_joint><left_joint>/b'
+            '</left_joint><right_joint>c</right_joint><right_joint>d</right_joint>'
+            '<wheel_diameter>0.1</wheel_diameter><wheel_diameter>{}</wheel_diameter>')
+    urdf = ('<robot><gazebo><plugin filename="libgazebo_ros_diff_drive.so">{}</plugin></gazebo>'
+            '</robot>')
+    for diameter, problems in (('0.1', []), ('0.2', ['another <wheel_diameter> of a pair of '
+                                                     'wheels'])):
+        found = parsed.tags(urdf.format(tags.format(diameter)),
+                            readers=[drive_tags.DIFF_DRIVE.tags])
+        assert found.values == {'left_joint': 'a, b', 'right_joint': 'c, d',
+                                'wheel_diameter': 0.1}
+        assert found.not_simulated == problems
 
 
 @pytest.mark.parametrize('names', [
@@ -201,8 +217,7 @@ def test_what_else_is_controlled_is_a_warning():
     (CONTROL, {'car': {'type': 'ackermann_steering_controller/AckermannSteeringController'}},
      'controller car (ackermann_steering_controller/AckermannSteeringController);'),
     (CONTROL, {'base': {**controllers()['base'], 'left_wheel': 'l'}},
-     'controller base (diff_drive_controller/DiffDriveController of joints that the robot does '
-     'not have);'),
+     'controller base (diff_drive_controller/DiffDriveController: the robot has no joint l);'),
     (plugin('gazebo_ros_tricycle_drive'), {}, 'it has: plugin libgazebo_ros_tricycle_drive.so;')])
 def test_a_robot_without_a_drive_that_is_simulated_is_refused_in_one_line(elements, given, wanted):
     line = refusal(assembly.default_settings, source(robot(elements), given))

@@ -90,8 +90,8 @@ def test_a_floor_is_a_model_like_others(name):
     ('a\udcff', r"the name of a model, a\udcff, has the character '\udcff'"),
     ('b' * 501, 'the name of a model that begins with {} has 501 bytes, allowed are 500; give a '
      'shorter name'.format('b' * 40)),
-    *((given, 'model_name: got {!r}, allowed is a text without :: and control characters; give it '
-       'another name'.format(given))
+    *((given, 'model_name: got {!r}, allowed is a text that is not empty, without :: and control '
+       'characters; give it another name'.format(given))
       for given in ('a::b', '::', '', ' ', 'a\tb', 'a\nb', 'a\x85'))])
 @pytest.mark.parametrize('text', [
     SDF.format(MODEL), '<robot name="r"><link name="world"/></robot>'])

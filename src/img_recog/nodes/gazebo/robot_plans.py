@@ -56,6 +56,11 @@ class RobotPlan(NamedTuple):
         """The name of the robot."""
         return self.source.model.name
 
+    @property
+    def command_topic(self) -> str:
+        """The resolved name of the topic of its commands."""
+        return rospy.resolve_name(self.names.topic(self.settings.drive.command_topic))
+
     def published(self) -> List[str]:
         """Return the resolved names of the topics of the sensors.
 

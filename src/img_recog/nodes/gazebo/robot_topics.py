@@ -100,6 +100,8 @@ class RobotTopics:
         self._outputs: Dict[str, _Output] = {}
         self._always_read = {'odometry'}        # it is also for tf and the log
         for each in vehicle.sensors:
+            if each.name in vehicle.missing_sensors:
+                continue
             topic = names.topic(each.kind.topic(settings[each.name]))
             is_answered = lockstep is not None and each.kind.name in lockstep.kinds
             if is_answered:

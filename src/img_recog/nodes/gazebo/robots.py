@@ -26,6 +26,7 @@ from img_recog.simulation.simulator import Simulator
 from img_recog.simulation.vehicle import Vehicle
 
 WORLD_FRAME = 'world'
+_TAKEN = '/clock', '/tf', '/tf_static', '/rosout', '/rosout_agg', '/diagnostics'
 
 
 class _Connected(NamedTuple):
@@ -82,13 +83,20 @@ class Robots:
         self.log_start(plan.name)
 
     def _check_topics(self, plan: RobotPlan) -> None:
-        """Raise SimulationError if a topic would be that of two sensors."""
-        own = plan.published()
-        others = {topic for robot in self._robots.values()
-                  for topic in robot.plan.published()}
+        """Raise SimulationError if a topic would be that of two sensors, or of something else."""
+        own, command, others = plan.published(), plan.command_topic, list(self._robots.values())
+        published = {topic for robot in others for topic in robot.plan.published()}
         for topic in own:
-            if own.count(topic) > 1 or topic in others:
+            if own.count(topic) > 1 or topic in published:
                 raise SimulationError('two sensors are on the topic {}'.format(topic),
+                                      'give each another topic')
+        commands = {command, *(robot.plan.command_topic for robot in others)}
+        for topic in (*own, command):
+            if topic in _TAKEN:
+                raise SimulationError('the topic {} is not that of a robot'.format(topic),
+                                      'give its plugin another one')
+            if topic in commands and topic in {*own, *published}:
+                raise SimulationError('a sensor and commands are on the topic {}'.format(topic),
                                       'give each another topic')
 
     def log_start(self, name: str) -> None:

@@ -23,6 +23,7 @@ from img_recog.model import (BOX, CAPSULE, CYLINDER, MESH, PLANE, SPHERE, Inerti
 from img_recog.rotations import IDENTITY, Transform
 from img_recog.simulation.physics import mesh_cache
 
+_MAX_JOINTS = 127       # of a body, in PyBullet: MAX_DEGREE_OF_FREEDOM is 128
 _MARGIN_M = 0.001       # of the convex hulls of meshes in PyBullet
 _PLANE_THICKNESS_M = 0.01       # below the plane
 _NOTHING = Look(Shape(BOX, (0.0, 0.0, 0.0)))
@@ -45,6 +46,9 @@ def load(model: Model, physics_client_id: int, fixed: bool = False, pose: Transf
     Raises SimulationError when PyBullet cannot load it, or would crash.
     """
     names.check_all(model)
+    if len(model.joints) > _MAX_JOINTS:
+        raise SimulationError('it has {} joints, and PyBullet takes at most {}'.format(
+            len(model.joints), _MAX_JOINTS), 'divide it into several models')
     if model.terrain is not None:
         return _load_terrain(model.terrain, physics_client_id, pose)
     with tempfile.TemporaryDirectory(prefix='img_recog_') as folder:    # for meshes of looks

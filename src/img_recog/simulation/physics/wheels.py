@@ -1,7 +1,7 @@
 """The separation and diameter of a robot's wheels, as its URDF has them."""
 import functools
 import os
-from typing import Any, Container, Dict, List, NamedTuple, Optional, Sequence, Union
+from typing import Any, Container, Dict, List, NamedTuple, Optional, Sequence, Tuple, Union
 
 import cv2
 import numpy as np
@@ -14,18 +14,21 @@ from img_recog.simulation.settings import DriveSettings
 
 _TOLERANCE = 0.05       # relative: Gazebo's tags are often rounded
 _DEFAULT_DIAMETER = DriveSettings().wheel_diameter
+_ALONG = 0.7            # the cosine of the angle between directions that are nearly the same
 _MIN_ROUNDNESS = 0.9    # of the nearest to the farthest corner of a mesh that is a wheel
 
 
 class Wheels(NamedTuple):
     """What the URDF says, in m; None where it does not.
 
-    swapped: whether the left joints are on the right.
+    swapped: whether the left joints are on the right; askew: joints whose wheels do not roll
+    forward.
     """
 
     wheel_separation: Optional[float] = None
     wheel_diameter: Optional[float] = None
     swapped: bool = False
+    askew: Tuple[str, ...] = ()
 
     def values(self) -> Dict[str, float]:
         """Return what is known, by the name of the setting."""
@@ -37,7 +40,9 @@ class Wheels(NamedTuple):
 
         given: the names of the settings that tags give.
         """
-        lines = [
+        lines = ['the wheel of {} does not roll forward: its axis, and its cylinder, must be '
+                 'along the y axis of the robot'.format(name) for name in self.askew]
+        lines += [
             '{} is {:g} m, but in the URDF it is {:g} m: the robot will move at another speed '
             'than commanded'.format(name, getattr(drive, name), value)
             for name, value in self.values().items()
@@ -52,11 +57,16 @@ class Wheels(NamedTuple):
 
 
 class _Wheel(NamedTuple):
-    """Its middle (3,), and its axis (3,), a unit vector, in the frame of the root link; m."""
+    """Its middle (3,), and its axis (3,), a unit vector, in the frame of the root link; m.
 
+    joint: its name; is_askew: whether it does not roll forward.
+    """
+
+    joint: str
     middle: np.ndarray
     axis: np.ndarray
     diameter: Optional[float]
+    is_askew: bool
 
 
 def measure(model: Model, drive: DriveSettings) -> Wheels:
@@ -76,7 +86,8 @@ def measure(model: Model, drive: DriveSettings) -> Wheels:
     separation = round(float(left[0].axis @ (_middle(left) - _middle(right))), 6)
     diameters = {wheel.diameter for wheel in left + right}
     return Wheels(abs(separation) or None, diameters.pop() if len(diameters) == 1 else None,
-                  separation < 0)
+                  separation < 0,
+                  tuple(wheel.joint for wheel in left + right if wheel.is_askew))
 
 
 def _middle(side: Sequence[_Wheel]) -> np.ndarray:
@@ -87,7 +98,11 @@ def _wheel(joint: Joint, model: Model) -> _Wheel:
     frame, axis = _pose(joint, model), axis_of(joint)
     link, = (link for link in model.links if link.name == joint.child)
     middle, diameter = _measured(link.solids or link.looks, axis)
-    return _Wheel(frame.apply(middle), frame.rotation @ axis, diameter)
+    turned = frame.rotation @ axis
+    is_flat = any(solid.shape.kind == CYLINDER and abs(solid.pose.rotation[:, 2] @ axis) < _ALONG
+                  for solid in link.solids[:1])
+    return _Wheel(joint.name, frame.apply(middle), turned, diameter,
+                  is_flat or abs(turned[1]) < _ALONG)
 
 
 def _pose(joint: Joint, model: Model) -> Transform:

@@ -209,3 +209,14 @@ def test_a_plane_is_seen_as_the_upper_side_of_a_thin_box():
     shape, = pybullet.getVisualShapeData(body, physicsClientId=client)
     assert shape[2] == pybullet.GEOM_BOX and shape[3] == pytest.approx((4, 2, 0.01))
     assert shape[5] == pytest.approx((1 - 0.005, 2, 3))
+
+
+def test_more_joints_than_pybullet_has_are_refused():
+    client = connect()
+    links = [Link('l{}'.format(number)) for number in range(129)]
+    joints = [Joint('j{}'.format(number), FIXED, 'l0', 'l{}'.format(number))
+              for number in range(1, 129)]
+    assert refusal(build.load, Model('m', tuple(links), tuple(joints)), client) == (
+        'it has 128 joints, and PyBullet takes at most 127; divide it into several models')
+    body = build.load(Model('m', tuple(links[:128]), tuple(joints[:127])), client)
+    assert pybullet.getBasePositionAndOrientation(body, physicsClientId=client)
