@@ -22,6 +22,7 @@ FIXED, CONTINUOUS, PRISMATIC, REVOLUTE = 'fixed', 'continuous', 'prismatic', 're
 # shapes; the last two are not drawn
 BOX, CYLINDER, SPHERE, PLANE, MESH = 'box', 'cylinder', 'sphere', 'plane', 'mesh'
 CAPSULE, HEIGHTMAP = 'capsule', 'heightmap'
+ALL_BITS = 0xffff       # of a solid that meets all others
 # Of the floor, and of what has no coefficient (Gazebo's default). PyBullet multiplies the
 # coefficients of two bodies, Gazebo takes the lower one: a higher one makes no difference there.
 FLOOR_FRICTION = 1.0
@@ -103,13 +104,15 @@ class Solid(NamedTuple):
     """A collision shape at a pose in its link.
 
     friction: the coefficient that the file gives, None if it gives none; is_concave: whether a
-    mesh is not replaced by its convex hull.
+    mesh is not replaced by its convex hull; bitmask: it meets those with which it has a bit in
+    common.
     """
 
     shape: Shape
     pose: Transform = IDENTITY
     friction: Optional[float] = None
     is_concave: bool = False
+    bitmask: int = ALL_BITS
 
     @property
     def coefficient(self) -> float:
@@ -132,14 +135,22 @@ class Look(NamedTuple):
 
 
 class Link(NamedTuple):
-    """A rigid part. inertia: in its frame, None if the file gives none; contact: the numbers of
-    PyBullet's <contact> in a URDF, by name."""
+    """A rigid part.
+
+    inertia: in its frame, None if the file gives none; contact: the numbers of PyBullet's
+    <contact> in a URDF, by name. has_gravity: None if the file does not say it, which is yes.
+    decay: the share of its velocity and of its angular velocity that it loses in each step.
+    space: links of a model meet where their spaces differ, and no joint is between them.
+    """
 
     name: str
     inertia: Optional[Inertia] = NO_INERTIA
     solids: Tuple[Solid, ...] = ()
     looks: Tuple[Look, ...] = ()
     contact: Mapping[str, float] = {}
+    has_gravity: Optional[bool] = None
+    decay: Tuple[float, float] = (0.0, 0.0)
+    space: str = ''
 
     @property
     def coefficient(self) -> float:
@@ -148,7 +159,10 @@ class Link(NamedTuple):
 
 
 class Limits(NamedTuple):
-    """From and to where a joint moves, its largest torque or force, and its highest velocity."""
+    """From and to where a joint moves, its largest torque or force, and its highest velocity.
+
+    Of these two, the controllers of a robot take the first one; the physics does not.
+    """
 
     lower: float
     upper: float
@@ -160,8 +174,10 @@ class Joint(NamedTuple):
     """A joint between two links, given by their names.
 
     pose: of its frame, which is that of the child where the joint is at 0, in the parent; axis
-    (3,): of any length, in that frame. held: the largest force, in N or N m, with which a motor
-    keeps it from moving; infinite if it keeps it at 0, and 0 if it is free.
+    (3,): of any length, in that frame; damping: N m s/rad or N s/m; friction: the torque or force
+    that it takes to move it; stiffness: of its spring, N m/rad or N/m, which is at rest at
+    `reference`, in rad or m. held: the largest force, in N or N m, with which a motor keeps it
+    from moving; infinite if it keeps it at 0, and 0 if it is free.
     """
 
     name: str
@@ -173,6 +189,8 @@ class Joint(NamedTuple):
     limits: Optional[Limits] = None
     damping: float = 0.0
     friction: float = 0.0
+    stiffness: float = 0.0
+    reference: float = 0.0
     held: float = 0.0
 
     @property
@@ -204,10 +222,9 @@ class Model:
 
     frames: where each link of the file is, also one that was lumped into another; surfaces: of
     each link of the file with a contact sensor, the links that have its solids and no others;
-    tags: of its sensors and plugins; loops: joints for which the tree has no place, at poses in
-    the root link; missing_meshes: URIs; missing_looks: what is not known or not found of
-    materials; warnings: what is simulated in another way than given, a line each; left_out:
-    joints; changed_inertias: links.
+    tags: of its sensors and plugins; missing_meshes: URIs; missing_looks: what is not known or not
+    found of materials; warnings: what is simulated in another way than given, a line each;
+    left_out: joints; changed_inertias: links.
     """
 
     name: str
@@ -216,7 +233,6 @@ class Model:
     frames: Mapping[str, Frame] = field(default_factory=dict)
     surfaces: Mapping[str, Sequence[str]] = field(default_factory=dict)
     tags: Tuple[Tag, ...] = ()
-    loops: Tuple[Joint, ...] = ()
     missing_meshes: Tuple[str, ...] = ()
     missing_looks: Tuple[str, ...] = ()
     warnings: Tuple[str, ...] = ()

@@ -25,12 +25,14 @@ def sdf(*models, version='1.6'):
         version, ''.join(models))
 
 
-def convert(*inside, version=(1, 6), problems=()):
-    """Return the trees of a model of these elements; problems: the names of what is left out."""
+def convert(*inside, version=(1, 6), problems=(), findings=()):
+    """Return the trees of a model of these elements; problems: the names of what is left out;
+    findings: what its reader finds."""
     model = ElementTree.fromstring('<model name="m">{}</model>'.format(''.join(inside)))
     found = Problems()
     trees = sdf_models.trees(model, version, lambda uri: None, found)
     assert found.names == tuple(problems)
+    assert tuple(finding.text() for finding in found.findings) == tuple(findings)
     return trees
 
 

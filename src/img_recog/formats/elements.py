@@ -87,25 +87,27 @@ SDF: Dict[str, Row] = {
                  not_simulated='insertions deletions light joint', why='time begins at 0'),
     'state/model': Row('pose', no_effect='scale link', not_simulated='joint model',
                        why='of a link, the pose in its model is that of its description'),
-    'model': Row('static pose link joint include model frame sensor',
-                 no_effect='allow_auto_disable', not_simulated='self_collide=0 enable_wind=0 '
-                 'gripper plugin light', why='nothing falls asleep here'),
+    'model': Row('static pose link joint include model frame sensor self_collide',
+                 no_effect='allow_auto_disable enable_wind', not_simulated='gripper plugin light',
+                 why='nothing falls asleep here, and there is no wind'),
     'include': Row('uri name pose static', not_simulated='placement_frame plugin frame joint'),
     'model/frame': Row('pose'), 'world/frame': Row('pose'),
-    'link': Row('pose inertial collision visual sensor', no_effect='must_be_base_link',
-                not_simulated='gravity=1 kinematic=0 self_collide=0 enable_wind=0 '
-                'velocity_decay=0 projector audio_source audio_sink battery light '
-                'particle_emitter'),
+    'link': Row('pose inertial collision visual sensor gravity kinematic self_collide '
+                'velocity_decay',
+                no_effect='must_be_base_link enable_wind',
+                not_simulated='projector audio_source audio_sink battery light '
+                'particle_emitter', why='there is no wind'),
+    'velocity_decay': Row('linear angular'),
     'inertial': Row('mass inertia pose', no_effect='density auto_inertia_params'),
     'inertia': _INERTIA,
     'collision': Row('geometry pose surface', no_effect='max_contacts',
                      not_simulated='laser_retro=0', why=_CONTACTS),
     'surface': Row('friction contact bounce', not_simulated='soft_contact'),
     'bounce': Row(no_effect='threshold', not_simulated='restitution_coefficient=0'),
-    'surface/contact': Row(no_effect='ode bullet poissons_ratio elastic_modulus',
-                           not_simulated='collide_without_contact=0 collide_bitmask=65535 '
-                           'collide_without_contact_bitmask=1 category_bitmask=65535',
-                           why=_CONTACTS),
+    'surface/contact': Row('collide_bitmask collide_without_contact',
+                           no_effect='ode bullet poissons_ratio elastic_modulus '
+                           'collide_without_contact_bitmask category_bitmask',
+                           why=_CONTACTS + '; Gazebo does not use the other bitmasks either'),
     'surface/friction': Row('ode', no_effect='bullet', not_simulated='torsional',
                             why='those of ode count, as in Gazebo'),
     'friction/ode': Row('mu', not_simulated='mu2=<mu> fdir1=0,0,0 slip1=0 slip2=0'),
@@ -126,12 +128,14 @@ SDF: Dict[str, Row] = {
     'joint': Row('parent child pose axis axis2', no_effect='physics',
                  not_simulated='gearbox_ratio gearbox_reference_body thread_pitch sensor',
                  why='solved by PyBullet'),
-    'axis': Row('xyz limit use_parent_model_frame', no_effect='',
-                not_simulated='dynamics initial_position=0 mimic'),
-    'axis2': Row('xyz limit use_parent_model_frame', no_effect='',
-                 not_simulated='dynamics initial_position=0 mimic'),
-    'limit': Row('lower upper', no_effect='stiffness dissipation',
-                 not_simulated='effort=-1 velocity=-1', why='limits are hard'),
+    'axis': Row('xyz limit use_parent_model_frame dynamics', no_effect='initial_position',
+                not_simulated='mimic', why='Gazebo does not use it either'),
+    'axis2': Row('xyz limit use_parent_model_frame dynamics', no_effect='initial_position',
+                 not_simulated='mimic', why='Gazebo does not use it either'),
+    'dynamics': Row('damping friction spring_stiffness spring_reference'),
+    'limit': Row('lower upper', no_effect='stiffness dissipation effort velocity',
+                 why='limits are hard; in Gazebo too, those of effort and velocity hold neither '
+                 'a motor nor what gravity moves'),
     'population': Row('model model_count distribution box cylinder pose'),
     'population/box': Row('size'), 'population/cylinder': Row('radius length'),
     'distribution': Row('type step rows cols'),
@@ -139,12 +143,12 @@ SDF: Dict[str, Row] = {
 }
 
 # in a <gazebo> tag with a reference, which Gazebo copies into the link or joint
-_TAGS = Row('sensor visual collision plugin mu1 material', '', 'kp kd maxVel minDepth maxContacts '
-            'stopCfm stopErp fudgeFactor provideFeedback implicitSpringDamper cfmDamping '
-            'disableFixedJointLumping preserveFixedJoint genTexCoord',
-            'static=0 turnGravityOff=0 gravity=1 selfCollide=0 self_collide=0 laserRetro=0 '
-            'dampingFactor=0 velocity_decay=0 fdir1 mu2=<mu1> springReference=0 springStiffness=0 '
-            'kinematic=0 light', why=_CONTACTS)
+_TAGS = Row('sensor visual collision plugin mu1 material turnGravityOff selfCollide self_collide '
+            'dampingFactor springReference springStiffness', '', 'kp kd maxVel minDepth '
+            'maxContacts stopCfm stopErp fudgeFactor provideFeedback implicitSpringDamper '
+            'cfmDamping disableFixedJointLumping preserveFixedJoint genTexCoord',
+            'static=0 gravity=1 laserRetro=0 velocity_decay=0 fdir1 mu2=<mu1> kinematic=0 light',
+            why=_CONTACTS)
 
 URDF: Dict[str, Row] = {
     **SENSORS,
@@ -161,8 +165,8 @@ URDF: Dict[str, Row] = {
     'geometry': Row('box cylinder sphere mesh', not_simulated='capsule'),
     'link/contact': Row('lateral_friction', no_effect='stiffness damping rolling_friction '
                         'spinning_friction contact_cfm contact_erp inertia_scaling'),
-    'robot/joint': Row('parent child origin axis limit',
-                       no_effect='calibration safety_controller', not_simulated='mimic dynamics',
+    'robot/joint': Row('parent child origin axis limit dynamics',
+                       no_effect='calibration safety_controller', not_simulated='mimic',
                        why='those of the real robot'),
     'robot/gazebo': _TAGS,
     'gazebo/visual': SDF['visual'], 'gazebo/collision': SDF['collision'],

@@ -152,12 +152,15 @@ class _Lump:
         self._looks: Dict[str, List[Look]] = {frame.link: [] for frame in frames.values()}
         self._solids: Dict[str, List[Solid]] = {}
         self._carriers: Dict[str, str] = {}         # of the links that are added
-        surfaces: Dict[Tuple[str, float, str], str] = {}
+        self._parts: Dict[str, List[Link]] = {}     # of the lumped links
+        surfaces: Dict[Tuple[str, float, int, str], str] = {}
         for name, (carrier, pose) in frames.items():
+            self._parts.setdefault(carrier, []).append(tree.links[name])
             self._looks[carrier] += [look._replace(pose=pose @ look.pose)
                                      for look in tree.links[name].looks]
             for solid in tree.links[name].solids:
-                key = carrier, solid.coefficient, name if name in self.watched else ''
+                key = (carrier, solid.coefficient, solid.bitmask,
+                       name if name in self.watched else '')
                 if key not in surfaces:
                     surfaces[key] = self._surface(name, carrier, solid)
                 self._solids[surfaces[key]].append(solid._replace(pose=pose @ solid.pose))
@@ -175,7 +178,12 @@ class _Lump:
         return surface
 
     def link(self, link: Link, inertia: Inertia) -> Link:
-        """Return a lumped link."""
+        """Return a lumped link; of what its parts say of how it moves, the last counts."""
+        for part in self._parts[link.name]:
+            link = link._replace(
+                has_gravity=link.has_gravity if part.has_gravity is None else part.has_gravity,
+                decay=part.decay if any(part.decay) else link.decay,
+                space=part.space or link.space)
         return link._replace(inertia=inertia, solids=tuple(self._solids.get(link.name, ())),
                              looks=tuple(self._looks[link.name]))
 

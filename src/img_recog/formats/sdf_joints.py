@@ -1,41 +1,49 @@
 """The links and joints of an SDF's model and of the models in it, by their full names."""
 import xml.etree.ElementTree as ElementTree
-from typing import Callable, Dict, List, NamedTuple, Optional, Sequence, Tuple
+from typing import Callable, Dict, List, Mapping, NamedTuple, Optional, Sequence, Tuple
 
 import numpy as np
 
 from img_recog.errors import SimulationError
-from img_recog.formats.numbers import read_direction, read_limit
+from img_recog.formats.elements import NOT_SIMULATED
+from img_recog.formats.numbers import read_direction, read_limit, read_number
 from img_recog.formats.problems import Problems
 from img_recog.formats.sdf_frames import WORLD, Scope
-from img_recog.formats.texts import name_of, text_of
+from img_recog.formats.texts import is_true, name_of, text_of
 from img_recog.model import CONTINUOUS, FIXED, PRISMATIC, REVOLUTE
 from img_recog.rotations import IDENTITY, Transform
 
-BALL = 'ball'
+BALL, _GEARBOX = 'ball', 'gearbox'
 # the axes of the kinds of joints: elements of an SDF's joint, or of the frame of a ball joint
 _AXES: Dict[str, Sequence[str]] = {
     FIXED: (), PRISMATIC: ('axis',), REVOLUTE: ('axis',), CONTINUOUS: ('axis',),
     'universal': ('axis', 'axis2'), 'revolute2': ('axis', 'axis2'), BALL: ()}
-_NO_LIMIT = 1e16                # an SDF's number for that
+NO_LIMIT = 1e16                 # an SDF's number for that
+# of <dynamics>, by the fields of a Joint
+_DYNAMICS = {'damping': 'damping', 'friction': 'friction', 'stiffness': 'spring_stiffness',
+             'reference': 'spring_reference'}
 
 Version = Tuple[int, ...]       # of the SDF format, like (1, 6)
 
 
 class SdfLink(NamedTuple):
-    """A link by its full name; pose: in the outermost model."""
+    """A link by its full name; pose: in the outermost model; is_static: whether nothing moves it;
+    space: see Link."""
 
     name: str
     element: ElementTree.Element
     pose: Transform
     is_static: bool
+    space: str
 
 
 class Axis(NamedTuple):
-    """An axis of a joint, (3,) of any length, in its frame; limits: from and to, in rad or m."""
+    """An axis of a joint, (3,) of any length, in its frame; limits: from and to, in rad or m;
+    dynamics: fields of a Joint."""
 
     direction: np.ndarray
     limits: Optional[Tuple[float, float]] = None
+    dynamics: Mapping[str, float] = {}
 
 
 class SdfJoint(NamedTuple):
@@ -80,7 +88,10 @@ class Joints:
         for link in model.findall('link'):
             with self._problems.left_out():
                 name = _free_name(prefix + (link.get('name') or 'link'), self.links.__contains__)
-                self.links[name] = SdfLink(name, link, pose @ scope.pose(link), is_static)
+                self.links[name] = SdfLink(
+                    name, link, pose @ scope.pose(link),
+                    is_static or is_true(link.findtext('kinematic')),
+                    name if collides_with_all(link, model) else prefix)
         for nested in model.findall('model'):
             with self._problems.left_out():
                 self._collect(nested, '{}{}::'.format(prefix, name_of(nested)),
@@ -97,16 +108,22 @@ class Joints:
         kind = element.get('type', '')
         if all(end == WORLD or self.links[end].is_static for end in (parent, child)):
             kind = FIXED        # what is static does not move
+        elif kind == _GEARBOX:
+            self._problems.add_finding(NOT_SIMULATED, 'joint {} of type {}'.format(name, kind),
+                                       'model ' + name_of(model))
+            return
         elif kind not in _AXES:
             self._problems.add('joint {} of type {}, which is held'.format(name, kind))
             kind = FIXED
         joint_pose = pose @ scope.pose(element)
         axes = tuple(Axis(self._direction(element, tag, pose, joint_pose, scope),
-                          _limits(name, element.find(tag + '/limit'))) for tag in _AXES[kind])
+                          _limits(name, element.find(tag + '/limit')),
+                          _dynamics(name, element.find(tag + '/dynamics')))
+                     for tag in _AXES[kind])
         if kind == BALL:
             axes = tuple(map(Axis, np.eye(3)))
         elif kind == CONTINUOUS:
-            axes = tuple(map(Axis, [axis.direction for axis in axes]))
+            axes = tuple(axis._replace(limits=None) for axis in axes)
         name = _free_name(name, lambda each: any(each == other.name for other in self.joints))
         joint = SdfJoint(name, kind, parent, child, joint_pose, axes)
         if parent != child:
@@ -153,12 +170,25 @@ def _limits(name: str, limit: Optional[ElementTree.Element]) -> Optional[Tuple[f
     texts = limit.findtext('lower', '-inf'), limit.findtext('upper', 'inf')
     lower, upper = (read_limit('<{}> of joint {}'.format(tag, name), text)
                     for tag, text in zip(('lower', 'upper'), texts))
-    return None if max(-lower, upper) >= _NO_LIMIT else (lower, upper)
+    # as in Gazebo, those that are swapped are none
+    if lower > upper or min(-lower, upper) >= NO_LIMIT:
+        return None
+    return max(lower, -NO_LIMIT), min(upper, NO_LIMIT)
 
 
-def is_true(text: Optional[str]) -> bool:
-    """Return whether the text of an element means true."""
-    return (text or '').strip().lower() in ('1', 'true')
+def _dynamics(name: str, dynamics: Optional[ElementTree.Element]) -> Dict[str, float]:
+    if dynamics is None:
+        return {}
+    found = {key: read_number('<{}> of joint {}'.format(tag, name), dynamics.findtext(tag))
+             for key, tag in _DYNAMICS.items() if dynamics.find(tag) is not None}
+    if 'damping' in found:
+        found['damping'] = abs(found['damping'])        # as in Gazebo
+    return found
+
+
+def collides_with_all(link: ElementTree.Element, model: ElementTree.Element) -> bool:
+    """Return whether a link meets the others of its model: what it says counts, else the model."""
+    return is_true(link.findtext('self_collide', model.findtext('self_collide', '')))
 
 
 def _free_name(name: str, is_used: Callable[[str], bool]) -> str:

@@ -10,10 +10,10 @@ from img_recog.files import FindFile
 from img_recog.formats import generated_meshes, heightmaps, inertias, materials
 from img_recog.formats.numbers import read_direction, read_lengths, read_number
 from img_recog.formats.sdf_frames import pose_of
-from img_recog.formats.texts import name_of, text_of
+from img_recog.formats.texts import is_true, name_of, text_of
 from img_recog.mesh_file import READABLE
-from img_recog.model import (BOX, CYLINDER, GREY, HEIGHTMAP, MESH, PLANE, SPHERE, Inertia, Look,
-                             Material, Shape, Solid, Submesh)
+from img_recog.model import (ALL_BITS, BOX, CYLINDER, GREY, HEIGHTMAP, MESH, PLANE, SPHERE,
+                             Inertia, Look, Material, Shape, Solid, Submesh)
 from img_recog.rotations import IDENTITY, Transform
 
 _Geometry = Tuple[Shape, Transform]
@@ -50,6 +50,14 @@ def friction(link: ElementTree.Element) -> Optional[float]:
     return value if value >= 0 else None
 
 
+def decay(link: ElementTree.Element) -> Tuple[float, float]:
+    """Return the shares of its velocities that a link loses in each step, see Link."""
+    linear, angular = (read_number('<{}> of link {}'.format(tag, name_of(link)),
+                                   link.findtext('velocity_decay/' + tag, '0'))
+                       for tag in ('linear', 'angular'))
+    return linear, angular
+
+
 def solid(collision: ElementTree.Element, pose: Transform, find: FindFile) -> Solid:
     """Return a <collision>; pose: in the frame in which it is returned.
 
@@ -61,7 +69,19 @@ def solid(collision: ElementTree.Element, pose: Transform, find: FindFile) -> So
     if shape.kind == HEIGHTMAP:
         middle = np.array((0.0, 0.0, heightmaps.read(shape).middle))
         offset = offset @ IDENTITY._replace(translation=middle)
-    return Solid(shape, pose @ offset)
+    return Solid(shape, pose @ offset, bitmask=bitmask(collision))
+
+
+def bitmask(collision: ElementTree.Element) -> int:
+    """Return that of a <collision>, see Solid."""
+    if is_true(collision.findtext('surface/contact/collide_without_contact')):
+        return 0
+    text = collision.findtext('surface/contact/collide_bitmask', hex(ALL_BITS)).strip()
+    try:
+        return int(text, 0) & ALL_BITS
+    except ValueError:
+        raise SimulationError('<collide_bitmask> of {}: got {!r}, expected a whole number'.format(
+            name_of(collision), text))
 
 
 def look(visual: ElementTree.Element, pose: Transform, find: FindFile) -> Tuple[Look, str]:
@@ -147,7 +167,7 @@ def _mesh(name: str, element: ElementTree.Element, find: FindFile) -> _Geometry:
         raise SimulationError('mesh {} ({} are read)'.format(uri, ', '.join(READABLE)))
     scale = read_lengths('<scale> of ' + name, element.findtext('scale', '1 1 1'), 3)
     submesh = text_of(element, 'submesh/name')
-    is_centered = text_of(element, 'submesh/center').lower() in ('1', 'true')
+    is_centered = is_true(element.findtext('submesh/center'))
     return Shape(MESH, tuple(scale.tolist()), os.path.abspath(path),
                  Submesh(submesh, bool(submesh) and is_centered)), IDENTITY
 

@@ -1,21 +1,20 @@
 """The models of an SDF as trees of links."""
 import dataclasses
 import xml.etree.ElementTree as ElementTree
-from typing import Dict, Iterator, List, Optional, Sequence, Tuple
+from typing import Dict, List, Optional, Tuple
 
 import numpy as np
 
 from img_recog.files import FindFile
 from img_recog.formats import sdf_links
+from img_recog.formats.elements import NOT_SIMULATED
 from img_recog.formats.problems import Problems
 from img_recog.formats.sdf_frames import WORLD, Scope, pose_of
-from img_recog.formats.sdf_joints import Axis, Joints, SdfJoint, SdfLink, Version
-from img_recog.formats.texts import name_of
+from img_recog.formats.sdf_joints import NO_LIMIT, Axis, Joints, SdfJoint, SdfLink, Version
+from img_recog.formats.texts import is_true, name_of
 from img_recog.model import (CONTINUOUS, FIXED, HEIGHTMAP, NO_INERTIA, PLANE, PRISMATIC, REVOLUTE,
                              Frame, Inertia, Joint, Limits, Link, Look, Model, Solid, Tag, Tree)
 from img_recog.rotations import IDENTITY, Transform
-
-_FAR_M = 1e16
 
 
 def trees(model: ElementTree.Element, version: Version, find: FindFile,
@@ -89,7 +88,7 @@ class _Builder:
     def trees(self, name: str, model_pose: Transform) -> List[Tree]:
         """Return the tree, and one for each terrain and plane; model_pose: of the outermost model.
         """
-        root = self._root
+        root, self._name = self._root, name
         to_world = next((joint for joint in self._of_links[root.name] if joint.parent == WORLD),
                         None)
         is_fixed = root.is_static or (to_world is not None and to_world.kind == FIXED)
@@ -100,7 +99,7 @@ class _Builder:
             self._links.append(Link(WORLD))
             base, frames = to_world.pose, {root.name: to_world.pose}
             self._add_joint(to_world, IDENTITY)
-        names, loops = [root.name], []
+        names = [root.name]
         for link in names:          # grows while it is iterated over
             self._add_link(self._given[link], frames[link], is_fixed and link == root.name)
             for joint in self._of_links[link]:
@@ -109,7 +108,7 @@ class _Builder:
                 used.append(joint)
                 away = joint if joint.parent in (link, WORLD) else joint.reversed()
                 if away.parent == WORLD or away.child in frames:
-                    loops.append(joint)
+                    self._leave_open(joint)
                     continue
                 frames[away.child] = joint.pose
                 names.append(away.child)
@@ -118,34 +117,29 @@ class _Builder:
                      if self._given[link].element.find('sensor') is not None)
         model = Model(name, tuple(self._links), tuple(self._joints),
                       {link: Frame(link, _relative(frames[link], self._given[link].pose))
-                       for link in names},
-                      {tag.link: (tag.link,) for tag in tags}, tags,
-                      loops=tuple(self._loops(loops, base)), warnings=tuple(self._warnings))
+                       for link in names}, {tag.link: (tag.link,) for tag in tags}, tags,
+                      warnings=tuple(self._warnings))
         tree = Tree('{}::{}'.format(name, root.name), model, model_pose @ base,
                     is_fixed or base is not root.pose, base)
         return [tree, *(_placed(*each, name, model_pose) for each in self._grounds)]
 
-    def _loops(self, joints: Sequence[SdfJoint], base: Transform) -> Iterator[Joint]:
-        for joint in joints:
-            if all(end == WORLD or self._given[end].is_static
+    def _leave_open(self, joint: SdfJoint) -> None:
+        """Say that a joint has no place in the tree, unless it joins what does not move."""
+        if not all(end == WORLD or self._given[end].is_static
                    for end in (joint.parent, joint.child)):
-                continue
-            if joint.kind == PRISMATIC:
-                self._problems.add('joint {}, which closes a loop of links and slides'.format(
-                    joint.name))
-                continue
-            yield Joint(joint.name, joint.kind, joint.parent, joint.child,
-                        _relative(base, joint.pose),
-                        joint.axes[0].direction if len(joint.axes) == 1 else None)
+            self._problems.add_finding(NOT_SIMULATED, 'joint {}, which closes a loop of links,'
+                                       .format(joint.name), 'model ' + self._name)
 
     def _add_link(self, link: SdfLink, frame: Transform, is_fixed: bool) -> None:
         """Add a link whose frame in the model is `frame`, given in the outermost model."""
         offset = _relative(frame, link.pose)
         is_fixed = is_fixed or link.is_static
         inertia = NO_INERTIA if is_fixed else self._inertia(link.element, offset)
-        friction = None
+        friction, decay = None, (0.0, 0.0)
         with self._problems.left_out():
             friction = sdf_links.friction(link.element)
+        with self._problems.left_out():
+            decay = sdf_links.decay(link.element)
         scope = Scope(link.element)
         looks: List[Look] = []
         for visual in link.element.findall('visual'):
@@ -169,7 +163,9 @@ class _Builder:
         elif not solids and len(link.element.findall('collision')) > _count_grounds(link.element):
             solids = [Solid(look.shape, look.pose, friction) for look in looks
                       if look.shape.kind != PLANE]
-        self._links.append(Link(link.name, inertia, tuple(solids), tuple(looks)))
+        self._links.append(Link(link.name, inertia, tuple(solids), tuple(looks),
+                                has_gravity=is_true(link.element.findtext('gravity', '1')),
+                                decay=decay, space=link.space))
 
     def _add_ground(self, link: SdfLink, collision: ElementTree.Element, solid: Solid) -> None:
         """Add the tree of a heightmap or a plane that carries; solid: at its pose in the link."""
@@ -221,11 +217,11 @@ def _joint(joint: SdfJoint, pose: Transform, axis: Optional[Axis]) -> Joint:
         return Joint(joint.name, FIXED, joint.parent, joint.child, pose)
     limits, kind = axis.limits, PRISMATIC
     if joint.kind == PRISMATIC:         # which PyBullet does not read without limits
-        limits = limits or (-_FAR_M, _FAR_M)
+        limits = limits or (-NO_LIMIT, NO_LIMIT)
     else:
         kind = REVOLUTE if limits else CONTINUOUS
     return Joint(joint.name, kind, joint.parent, joint.child, pose, axis.direction,
-                 limits and Limits(*limits))
+                 limits and Limits(*limits), **axis.dynamics)
 
 
 def _count_grounds(link: ElementTree.Element) -> int:

@@ -1,5 +1,6 @@
 """The names and texts of XML elements, which may lack them."""
 import xml.etree.ElementTree as ElementTree
+from typing import Optional
 
 
 def name_of(element: ElementTree.Element) -> str:
@@ -14,3 +15,8 @@ def text_of(element: ElementTree.Element, path: str) -> str:
     '2'
     """
     return element.findtext(path, '').strip()
+
+
+def is_true(text: Optional[str]) -> bool:
+    """Return whether the text of an element means true."""
+    return (text or '').strip().lower() in ('1', 'true')

@@ -9,11 +9,11 @@ from img_recog.errors import SimulationError
 from img_recog.files import FindFile
 from img_recog.formats import drive_controllers
 from img_recog.formats.drive_controllers import FindControllers
-from img_recog.formats.numbers import read_direction, read_limit
+from img_recog.formats.numbers import read_direction, read_limit, read_number
 from img_recog.formats.texts import name_of
-from img_recog.formats.urdf_links import Links, origin_of
+from img_recog.formats.urdf_links import Links, origin_of, text_of_tags
 from img_recog.markup import MarkupError, check_expanded, parse_xml
-from img_recog.model import FIXED, Joint, Limits, Model, Tag
+from img_recog.model import FIXED, PRISMATIC, REVOLUTE, Joint, Limits, Model, Tag
 
 
 def root_of(urdf: Union[str, ElementTree.Element]) -> ElementTree.Element:
@@ -55,7 +55,7 @@ def read(robot: ElementTree.Element, find: FindFile,
             'its elements are <{}>; xacro expands macros only with the prefix xacro:'.format(
                 '>, <'.join(others)) if others else '')
     held = drive_controllers.held(robot, controllers)
-    joints = tuple(_joint(joint, links)._replace(held=held.get(name_of(joint), 0.0))
+    joints = tuple(_joint(joint, links, robot)._replace(held=held.get(name_of(joint), 0.0))
                    for joint in robot.findall('joint'))
     reader = Links(robot, find)
     xacro = check_expanded(robot)
@@ -78,7 +78,7 @@ def used_tags(robot: ElementTree.Element, model: Model) -> Tuple[List[Tag], List
             list(dict.fromkeys(tag.link for tag in model.tags if tag.link not in known)))
 
 
-def _joint(joint: ElementTree.Element, links: List[str]) -> Joint:
+def _joint(joint: ElementTree.Element, links: List[str], robot: ElementTree.Element) -> Joint:
     name, kind = name_of(joint), joint.get('type', '')
     parent, child = (_end(joint, end, links) for end in ('parent', 'child'))
     axis, limit, dynamics = (joint.find(tag) for tag in ('axis', 'limit', 'dynamics'))
@@ -90,13 +90,22 @@ def _joint(joint: ElementTree.Element, links: List[str]) -> Joint:
 
     def number(element: ElementTree.Element, key: str, default: str = '0') -> float:
         return read_limit('{} of joint {}'.format(key, name), element.get(key, default))
-    # where a limit gives no numbers, the upper one is below the lower one: there is none
-    limits = None if limit is None else Limits(
-        number(limit, 'lower'), number(limit, 'upper', '-1'), number(limit, 'effort'),
-        number(limit, 'velocity'))
-    damping, friction = (0.0 if dynamics is None else number(dynamics, key)
+    limits = None
+    if limit is not None:       # as in Gazebo, those that are swapped are put in order
+        lower, upper = sorted(number(limit, key) for key in ('lower', 'upper'))
+        limits = Limits(lower, upper, number(limit, 'effort'), number(limit, 'velocity'))
+    elif kind in (REVOLUTE, PRISMATIC):
+        raise SimulationError(
+            'joint {} of type {} has no <limit>, which Gazebo refuses too'.format(name, kind),
+            'add <limit lower="..." upper="..." effort="..." velocity="..."/>' + (
+                ', or make its type continuous' if kind == REVOLUTE else ''))
+    damping, friction = (0.0 if dynamics is None else abs(number(dynamics, key))
                          for key in ('damping', 'friction'))
-    return Joint(name, kind, parent, child, origin_of(joint), direction, limits, damping, friction)
+    stiffness, reference = (
+        read_number('<{}> of joint {}'.format(tag, name), text_of_tags(robot, name, tag) or '0')
+        for tag in ('springStiffness', 'springReference'))
+    return Joint(name, kind, parent, child, origin_of(joint), direction, limits, damping, friction,
+                 stiffness, reference)
 
 
 def _end(joint: ElementTree.Element, end: str, links: List[str]) -> str:

@@ -1,17 +1,18 @@
 """Reads the links of a URDF, and what Gazebo's tags say of them: friction and materials."""
 import os
 import xml.etree.ElementTree as ElementTree
-from typing import Dict, List, Optional, Tuple
+from typing import Any, Dict, List, Optional, Tuple
 
 from img_recog.errors import SimulationError
 from img_recog.files import FindFile
 from img_recog.formats import inertias, materials
 from img_recog.formats.numbers import (read_coefficient, read_lengths, read_number,
                                        read_numbers)
-from img_recog.formats.texts import name_of, text_of
+from img_recog.formats.sdf_links import bitmask
+from img_recog.formats.texts import is_true, name_of, text_of
 from img_recog.mesh_file import READABLE
-from img_recog.model import (BOX, CAPSULE, CYLINDER, MESH, NO_INERTIA, SPHERE, Inertia, Link,
-                             Look, Material, Shape, Solid)
+from img_recog.model import (ALL_BITS, BOX, CAPSULE, CYLINDER, MESH, NO_INERTIA, SPHERE, Inertia,
+                             Link, Look, Material, Shape, Solid)
 from img_recog.rotations import IDENTITY, Transform, transform
 
 _SIZES = {BOX: (('size', 3),), CYLINDER: (('radius', 1), ('length', 1)), SPHERE: (('radius', 1),),
@@ -31,11 +32,19 @@ def origin_of(element: ElementTree.Element) -> Transform:
                      read_numbers(name, origin.get('rpy', '0 0 0'), 3))
 
 
+def text_of_tags(robot: ElementTree.Element, name: str, *paths: str) -> str:
+    """Return the last text at one of some paths in the <gazebo> tags of a link or a joint, '' for
+    none; name: '' for that of the robot itself."""
+    return ([''] + [text_of(tag, path) for tag in robot.findall('gazebo')
+                    if tag.get('reference', '') == name
+                    for path in paths if tag.find(path) is not None])[-1]
+
+
 class Links:
     """Reads the links of a <robot>, and what its tags say of them."""
 
     def __init__(self, robot: ElementTree.Element, find: FindFile):
-        self._find = find
+        self._robot, self._find = robot, find
         self._tags = [tag for tag in robot.findall('gazebo') if tag.get('reference')]
         self._named = {material.get('name'): material for material in robot.findall('material')}
         self.missing_meshes: Dict[str, None] = {}
@@ -74,7 +83,19 @@ class Links:
                   for element, shape in kept['collision']]
         if lost['collision'] and not solids:
             solids = [Solid(look.shape, look.pose, friction) for look in looks]
-        return Link(name, _inertia(link), tuple(solids), tuple(looks), _contact(link))
+        return Link(name, _inertia(link), tuple(solids), tuple(looks), _contact(link),
+                    **self._motion(name))
+
+    def _motion(self, name: str) -> Dict[str, Any]:
+        """Return what Gazebo's tags say of how a link moves, as fields of a Link."""
+        factor = read_number('<dampingFactor> of link ' + name,
+                             text_of_tags(self._robot, name, 'dampingFactor') or '0')
+        collides = text_of_tags(self._robot, name, 'selfCollide', 'self_collide') or text_of_tags(
+            self._robot, '', 'self_collide')
+        # each tag says it in Gazebo, also one without <turnGravityOff>
+        tags = [tag for tag in self._tags if tag.get('reference') == name]
+        return {'has_gravity': not is_true(tags[-1].findtext('turnGravityOff')) if tags else None,
+                'decay': (factor, factor), 'space': name if is_true(collides) else ''}
 
     def _shape(self, link: str, element: ElementTree.Element) -> Optional[Shape]:
         """Return the shape of a <visual> or <collision>; None if its mesh is not found."""
@@ -105,7 +126,9 @@ class Links:
             # drive in Gazebo, whose solver loads the wheels more than PyBullet does.
             friction = read_coefficient('<mu> of a collision of link ' + link,
                                         element.findtext(_MU))
-        return Solid(shape, origin_of(element), friction)
+        bitmasks = [bitmask(collision) for tag in self._tags if tag.get('reference') == link
+                    for collision in tag.findall('collision')]
+        return Solid(shape, origin_of(element), friction, bitmask=min([ALL_BITS, *bitmasks]))
 
     def _friction(self, link: ElementTree.Element) -> Optional[float]:
         """Return that of all shapes of a link: <mu1> of Gazebo's tag for it, or <mu> of a

@@ -206,7 +206,8 @@ def build(physics: PhysicsSettings, world: WorldFile,
     simulated_world = World(physics, world, physics_client_id, problems)
     if not physics.allow_partial_world:
         problems.refuse(name, 'set {} to load the rest'.format(option_name('allow_partial_world')))
-    warnings = [*world.warnings, *problems.warnings(name)]
+    warnings = [*world.warnings, *problems.warnings(name), *(
+        '{}: model {}'.format(name, line) for line in simulated_world.warnings)]
     if simulated_world.crowded:
         warnings.append('{}: {}'.format(name, simulated_world.crowded))
     if simulated_world.lifted:
@@ -258,11 +259,11 @@ def add_robot(simulator: Simulator, robot: RobotSource, settings: RobotSettings,
     """
     with _refusal(robot), all_or_nothing(simulator.world.physics_client_id):
         vehicle = Vehicle(robot.model, settings, simulator.world, robot.sensors)
-    simulator.add(vehicle)
+    lines = simulator.add(vehicle)
     unused = [each.name for each in vehicle.sensors if each.kind.name in unused_sensors]
     for sensor in unused:
         vehicle.set_sensor_enabled(sensor, False)
-    lines = wheels.measure(robot.model, settings.drive).warnings(
+    lines += wheels.measure(robot.model, settings.drive).warnings(
         settings.drive, robot.tag_values)
     return ['{}: {}'.format(robot.source, line) for line in lines] + [
         '{} runs without the sensor {}: no link {}'.format(robot.model.name, sensor, link)

@@ -143,7 +143,8 @@ class Models:
         """Add a model to the world.
 
         trees: of the model, as they are when its file is the world; state: that the world of the
-        file has in `frame`; warn: gets a line if the next step takes long.
+        file has in `frame`; warn: gets a line if the next step takes long,
+        and about what is simulated in another way than given.
         Raises SimulationError when there is no such frame, a model has that name, the state is not
         allowed, PyBullet cannot load the model or the next step would take too long.
         """
@@ -155,6 +156,8 @@ class Models:
         self._world.add(placed)
         if self._world.crowded:     # before that step, which holds all threads
             warn('model {}: {}'.format(name, self._world.crowded))
+        for line in self._world.warnings:
+            warn('model ' + line)
         self._models[name], = _grouped(placed, self._world.bodies[count:])
 
     def pose_in_world(self, state: State, frame: str = WORLD) -> Transform:

@@ -26,10 +26,13 @@ class Simulator:
     """
 
     def __init__(self, world: World, vehicles: Sequence[Vehicle] = ()):
-        self.world, self._vehicles = world, list(vehicles)
-        self._carriers: List[Carrier] = list(vehicles)
+        self.world = world
+        self._vehicles: List[Vehicle] = []
+        self._carriers: List[Carrier] = []
         self._steps = 0
         self.after_step: Optional[Callable[[], None]] = None
+        for vehicle in vehicles:
+            self.add(vehicle)
 
     @property
     def vehicles(self) -> Sequence[Vehicle]:
@@ -41,11 +44,13 @@ class Simulator:
         """The vehicles and the models with sensors."""
         return self._carriers
 
-    def add(self, vehicle: Vehicle) -> None:
-        """Add a vehicle that was loaded into the world."""
+    def add(self, vehicle: Vehicle) -> List[str]:
+        """Add a vehicle that was loaded into the world; return warnings, a line each."""
         self._vehicles.append(vehicle)
         self._carriers.append(vehicle)
+        warnings = self.world.adopt([(vehicle.robot, vehicle.model)])
         self.world.notify_changed()
+        return warnings
 
     def add_carrier(self, carrier: Carrier) -> None:
         """Let the sensors of a model of the world be read."""

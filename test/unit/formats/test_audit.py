@@ -22,9 +22,7 @@ def said(text):
     (LINK.format('<colision name="c"/>'), 'not known', '<colision> of model m link l'),
     (MODEL.format('<static>ture</static>'), 'not known',
      '<static>ture</static>, which is neither true nor false, of world w model m'),
-    (LINK.format('<gravity>0</gravity>'), 'not simulated', '<gravity> of model m link l'),
-    (LINK.format('<velocity_decay><linear>0.1</linear></velocity_decay>'), 'not simulated',
-     '<velocity_decay> of model m link l'),
+    (LINK.format('<projector/>'), 'not simulated', '<projector> of model m link l'),
     (LINK.format('<pose degres="1">0 0 0 0 0 0</pose>'), 'not known',
      'attribute degres of <pose> of model m link l'),
     (LINK.format('<collision name="c"><surface><friction><ode><mu>1</mu><mu2>2</mu2></ode>'
@@ -36,8 +34,8 @@ def said(text):
     (MODEL.replace('</world>', '</world><world name="v"/>'), 'not used',
      'second world v of the file'),
     (ROBOT.format('<visaul/>', ''), 'not known', '<visaul> of robot r link l'),
-    (ROBOT.format('', '<gazebo reference="l"><turnGravityOff>true</turnGravityOff></gazebo>'),
-     'not simulated', '<turnGravityOff> of robot r gazebo l'),
+    (ROBOT.format('', '<gazebo reference="l"><kinematic>true</kinematic></gazebo>'),
+     'not simulated', '<kinematic> of robot r gazebo l'),
     (ROBOT.format('', '<gazebo reference="l"><mu1 value="1"/><mu2 value="0.5"/></gazebo>'),
      'not simulated', '<mu2> of robot r gazebo l')])
 def test_what_is_said(text, state, words):
@@ -45,9 +43,11 @@ def test_what_is_said(text, state, words):
 
 
 @pytest.mark.parametrize('text', [
-    LINK.format('<gravity>1</gravity><kinematic>false</kinematic><self_collide>0</self_collide>'),
-    LINK.format('<gravity>true</gravity><velocity_decay><linear>0</linear><angular/>'
-                '</velocity_decay>'),
+    LINK.format('<gravity>0</gravity><kinematic>true</kinematic><self_collide>1</self_collide>'
+                '<velocity_decay><linear>1</linear><angular/></velocity_decay>'),
+    MODEL.format('<joint name="j"><axis><dynamics><spring_stiffness>2</spring_stiffness>'
+                 '</dynamics><limit><effort>1</effort></limit></axis></joint>'),
+    ROBOT.format('', '<gazebo reference="l"><kinematic>false</kinematic></gazebo>'),
     LINK.format('<collision name="c"><surface><friction><ode><mu>0.5</mu><mu2>0.50</mu2><fdir1>0 '
                 '0 0</fdir1></ode></friction><contact><ode><kp>1</kp></ode></contact></surface>'
                 '</collision>'),
@@ -64,10 +64,10 @@ def test_nothing_is_said_of_what_is_done_or_changes_nothing(text):
 
 
 def test_places_are_counted():
-    links = ''.join('<link name="l{}"><kinematic>1</kinematic></link>'.format(number)
+    links = ''.join('<link name="l{}"><projector/></link>'.format(number)
                     for number in range(5))
     assert said(MODEL.format(links)) == [(
-        'not simulated', '<kinematic> of model m link l0, model m link l1, model m link l2 and 2 '
+        'not simulated', '<projector> of model m link l0, model m link l1, model m link l2 and 2 '
         'more')]
 
 

@@ -215,7 +215,7 @@ def test_what_moves_without_mass_is_left_out_with_a_warning():
     found = lumped(ROBOT.format(
         link('a') + link('b', 0) + link('c', '0') + link('d') + link('e', 0, SHAPE)
         + joint('ab', 'a', 'b', 'continuous') + joint('bc', 'b', 'c') + joint('cd', 'c', 'd')
-        .replace('fixed', 'revolute') + joint('ae', 'a', 'e', 'prismatic')))
+        .replace('fixed', 'continuous') + joint('ae', 'a', 'e', 'continuous')))
     assert [each.name for each in found.links] == ['a'] == list(found.frames)
     assert found.joints == ()
     assert sorted(found.left_out) == ['ab', 'ae', 'bc', 'cd']
@@ -239,19 +239,52 @@ def test_inertia_of_no_body_is_replaced_with_a_warning():
     ('<axis xyz="0 0 1"/>', [0, 0, 1]), ('<axis/>', [1, 0, 0]), ('', [1, 0, 0])])
 @pytest.mark.parametrize('kind', ['continuous', 'prismatic', 'revolute'])
 def test_joints_that_move_keep_their_type_and_axis(kind, inside, axis):
-    moving, = lumped(ROBOT.format(PAIR + joint('j', 'a', 'b', kind, inside))).joints
+    moving, = lumped(ROBOT.format(PAIR + joint('j', 'a', 'b', kind, inside + '<limit/>'))).joints
     assert (moving.kind, moving.axis.tolist()) == (kind, axis)
 
 
 def test_joints_that_move_keep_what_they_say_of_their_motion():
     inside = ('<limit lower="-1" upper="inf" effort="3" velocity="4"/>'
-              '<dynamics damping="0.5" friction="0.25"/>')
-    moving, = lumped(ROBOT.format(PAIR + joint('j', 'a', 'b', 'revolute', inside))).joints
-    assert (moving.limits, moving.damping, moving.friction) == ((-1, math.inf, 3, 4), 0.5, 0.25)
+              '<dynamics damping="-0.5" friction="0.25"/>')
+    tag = ('<gazebo reference="j"><springStiffness>7</springStiffness><springReference>-0.1'
+           '</springReference></gazebo>')
+    moving, = lumped(ROBOT.format(PAIR + joint('j', 'a', 'b', 'revolute', inside) + tag)).joints
+    assert moving[7:11] == ((-1, math.inf, 3, 4), 0.5, 0.25, 7, -0.1)[1:]
+    assert moving.limits == (-1, math.inf, 3, 4)
     other, = lumped(ROBOT.format(PAIR + joint('j', 'a', 'b', 'revolute', '<limit/>'))).joints
-    assert (other.limits, other.damping, other.friction) == ((0, -1, 0, 0), 0, 0)
+    assert (other.limits, other.damping, other.friction) == ((0, 0, 0, 0), 0, 0)
+    swapped, = lumped(ROBOT.format(PAIR + joint(
+        'j', 'a', 'b', 'prismatic', '<limit lower="2" upper="-1"/>'))).joints
+    assert swapped.limits[:2] == (-1, 2)
+    for kind, advice in (('revolute', ', or make its type continuous'), ('prismatic', '')):
+        assert refusal(lumped, ROBOT.format(PAIR + joint('j', 'a', 'b', kind))) == (
+            'joint j of type {} has no <limit>, which Gazebo refuses too; add <limit lower="..." '
+            'upper="..." effort="..." velocity="..."/>{}'.format(kind, advice))
     assert "upper of joint j: got 'x', expected" in refusal(lumped, ROBOT.format(
         PAIR + joint('j', 'a', 'b', 'revolute', '<limit upper="x"/>')))
+
+
+@pytest.mark.parametrize('tags, said', [
+    ('', (None, (0, 0), '')),
+    ('<gazebo reference="a"><turnGravityOff>1</turnGravityOff><selfCollide>true</selfCollide>'
+     '<dampingFactor>0.1</dampingFactor></gazebo>', (False, (0.1, 0.1), 'a')),
+    # each tag of the link says it, the last one counts
+    ('<gazebo reference="a"><turnGravityOff>1</turnGravityOff></gazebo><gazebo reference="b"><mu1>'
+     '1</mu1></gazebo>', (True, (0, 0), '')),
+    ('<gazebo reference="b"><turnGravityOff>1</turnGravityOff><self_collide>1</self_collide>'
+     '</gazebo>', (False, (0, 0), 'b')),
+    ('<gazebo><self_collide>1</self_collide></gazebo>', (None, (0, 0), 'b'))])
+def test_what_tags_say_of_how_links_move(tags, said):
+    found, = lumped(ROBOT.format(link('a') + link('b') + joint('ab', 'a', 'b') + tags)).links
+    assert (found.has_gravity, found.decay, found.space) == said
+
+
+def test_the_bitmask_of_a_tag_is_that_of_the_solids():
+    tag = ('<gazebo reference="b"><collision><surface><contact><collide_bitmask>0x0c'
+           '</collide_bitmask></contact></surface></collision></gazebo>')
+    found = lumped(ROBOT.format(link('a', inside=SHAPE) + link('b', inside=SHAPE)
+                                + joint('ab', 'a', 'b') + tag))
+    assert [each.solids[0].bitmask for each in found.links] == [0xffff, 12]
 
 
 def test_links_come_after_the_one_that_they_are_joined_to():

@@ -15,6 +15,9 @@ from img_recog.rotations import Quaternion, Transform
 Vector = Sequence[float]
 
 _HOLDING_FORCE = 1e6    # N or N m, of the motors of joints that are held at a position
+# rad/s. At its default of 100, which the command of 10 m/s exceeds, PyBullet cuts the speed of the
+# wheels, while their motors go on and turn the robot over.
+_MAX_JOINT_VELOCITY = 1e5
 
 
 class Pose(NamedTuple):
@@ -76,6 +79,11 @@ class Body:
         self.body_id = body_id
         self.physics_client_id = physics_client_id
         self.fixed = fixed
+        # of the whole body; in a call that sets something of a link, these would make PyBullet
+        # set that of the root link
+        pybullet.changeDynamics(body_id, -1, linearDamping=0, angularDamping=0,
+                                maxJointVelocity=_MAX_JOINT_VELOCITY,
+                                physicsClientId=physics_client_id)
         self.links = range(-1, pybullet.getNumJoints(body_id, physicsClientId=physics_client_id))
         self.joints = self._movable_joints()
         self.root, self.name = (name.decode() for name in pybullet.getBodyInfo(
@@ -88,15 +96,17 @@ class Body:
     def release(self, joints: Sequence[Joint], driven: Container[int] = ()) -> None:
         """Switch off the motors of the joints but those that are held; PyBullet holds all.
 
-        joints: of the model; driven: the indices of those that others move.
+        What is left to a joint is its friction, as in Gazebo. joints: of the model; driven: the
+        indices of those that are left as they are.
         """
         held = {joint.name: joint for joint in joints if joint.held}
+        client = {'physicsClientId': self.physics_client_id}
         released = [index for name, index in self.joints.items()
                     if name not in held and index not in driven]
-        client = {'physicsClientId': self.physics_client_id}
+        frictions = [pybullet.getJointInfo(self.body_id, index, **client)[7]
+                     for index in released]
         pybullet.setJointMotorControlArray(
-            self.body_id, released, pybullet.VELOCITY_CONTROL, forces=[0.0] * len(released),
-            **client)
+            self.body_id, released, pybullet.VELOCITY_CONTROL, forces=frictions, **client)
         for name, joint in held.items():
             index = self.joints.get(name)
             if index is None or index in driven:

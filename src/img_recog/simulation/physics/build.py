@@ -22,6 +22,7 @@ from img_recog.model import (BOX, CAPSULE, CYLINDER, MESH, PLANE, SPHERE, Inerti
                              Look, Material, Model, Shape, Solid)
 from img_recog.rotations import IDENTITY, Transform
 from img_recog.simulation.physics import mesh_cache
+from img_recog.simulation.physics.meeting import has_spaces
 
 _MAX_JOINTS = 127       # of a body, in PyBullet: MAX_DEGREE_OF_FREEDOM is 128
 _MARGIN_M = 0.001       # of the convex hulls of meshes in PyBullet
@@ -63,7 +64,8 @@ def load(model: Model, physics_client_id: int, fixed: bool = False, pose: Transf
         with _file(ElementTree.tostring(robot, 'unicode')) as path, _refusal('URDF'):
             return pybullet.loadURDF(
                 path, pose.translation.tolist(), rotations.quaternion_of(pose.rotation),
-                useFixedBase=fixed, flags=_URDF_FLAGS, physicsClientId=physics_client_id)
+                useFixedBase=fixed, physicsClientId=physics_client_id,
+                flags=_URDF_FLAGS | pybullet.URDF_USE_SELF_COLLISION * has_spaces(model))
 
 
 def _solids(link: Link, problems: Optional[Problems], exact_hulls: bool) -> Iterator[Solid]:

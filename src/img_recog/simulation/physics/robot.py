@@ -5,15 +5,11 @@ import pybullet
 
 from img_recog import rotations
 from img_recog.errors import SimulationError
-from img_recog.model import FLOOR_FRICTION, Model
+from img_recog.model import CONTINUOUS, FLOOR_FRICTION, Model
 from img_recog.simulation.physics import build, tyres
 from img_recog.simulation.physics.body import Pose
 from img_recog.simulation.physics.framed_body import FramedBody
 from img_recog.simulation.settings import SpawnSettings
-
-# rad/s. At its default of 100, which the command of 10 m/s exceeds, PyBullet cuts the speed of the
-# wheels, while their motors go on and turn the robot over.
-_MAX_JOINT_VELOCITY = 1e5
 
 _TYRE_FORCE_N = 1e6         # of the motors that keep tyres in place
 
@@ -132,17 +128,17 @@ class SimulatedRobot(FramedBody):
         coefficients = {link.name: link.coefficient for link in model.links}
         for name, link in self._link_indices.items():
             pybullet.changeDynamics(
-                self.body_id, link, linearDamping=0, angularDamping=0, jointDamping=0,
+                self.body_id, link,
                 lateralFriction=0.0 if slides else coefficients.get(name, FLOOR_FRICTION),
                 physicsClientId=self.physics_client_id)
-        # of all joints, and not in the call above: PyBullet would set those of the root link by it
-        pybullet.changeDynamics(self.body_id, -1, maxJointVelocity=_MAX_JOINT_VELOCITY,
-                                physicsClientId=self.physics_client_id)
         for wheel in self._wheels:
             pybullet.changeDynamics(
                 self.body_id, wheel, spinningFriction=self._torsional_friction(wheel),
                 physicsClientId=self.physics_client_id)
-        self.release(model.joints, self._wheels)
+        # without friction, nothing would stop a wheel again that turned a little
+        held = [self.joints[joint.name] for joint in model.joints
+                if slides and joint.kind == CONTINUOUS and joint.name in self.joints]
+        self.release(model.joints, [*self._wheels, *held])
         for tyre in self._tyres:
             pybullet.setJointMotorControl2(
                 self.body_id, tyre, pybullet.POSITION_CONTROL, targetPosition=0.0,

@@ -7,10 +7,12 @@ from img_recog.errors import SimulationError, shortened
 from img_recog.formats.problems import Problems
 from img_recog.formats.world_file import WorldFile
 from img_recog.model import FLOOR_FRICTION, PLANE, Frame, Link, Model, Shape, Solid, Tree
-from img_recog.simulation.physics import build, crowding, loops, standing
+from img_recog.simulation.physics import build, crowding, standing
 from img_recog.simulation.physics.body import Body
-from img_recog.simulation.physics.framed_body import FramedBody
 from img_recog.simulation.physics.client import all_or_nothing, link_indices
+from img_recog.simulation.physics.forces import Forces
+from img_recog.simulation.physics.framed_body import FramedBody
+from img_recog.simulation.physics.meeting import Meeting
 from img_recog.simulation.physics.solids import Solids
 from img_recog.simulation.settings import PhysicsSettings
 
@@ -28,7 +30,8 @@ class World:
     bodies: one for each tree in `file`; revision: the number of times that something was added or
     removed, robots too, or that something fixed was moved for the first time; lifted: how far, in
     m, each body was moved upward that was in the floor when it was added, by name; crowded: a line
-    if the step after the last `add` takes long.
+    if the step after the last `add` takes long; warnings: what else of that `add` is simulated in
+    another way, a line each.
     """
 
     def __init__(self, settings: PhysicsSettings, file: WorldFile, physics_client_id: int,
@@ -39,7 +42,8 @@ class World:
         SimulationError.
         """
         self.physics_client_id, self.step_s = physics_client_id, settings.step_s
-        self.solids = Solids(physics_client_id)
+        self.solids, self._meeting = Solids(physics_client_id), Meeting(physics_client_id)
+        self._forces: Dict[int, Forces] = {}
         self.file, self.revision = file._replace(trees=()), 0
         self.bodies: List[FramedBody] = []
         self.lifted: Dict[str, float] = {}
@@ -65,16 +69,22 @@ class World:
         """
         with all_or_nothing(self.physics_client_id):
             loaded = load_bodies(trees, self.physics_client_id, problems=problems)
-            self.crowded = crowding.check([*self.bodies, *(body for _, body in loaded)])
+            warnings = self._adopt_trees(loaded)
+            try:
+                self.crowded = crowding.check([*self.bodies, *(body for _, body in loaded)])
+            except SimulationError:
+                for _, body in loaded:
+                    self._let_go(body)
+                raise
         planes = self._planes(body for _, body in loaded)
         for tree, body in loaded:
-            loops.close(tree, body)
             self._set_dynamics(body, tree.model)
             if not body.fixed:
                 lifted = standing.lift(body, planes)
                 if lifted.onto:
                     body.start = body.pose()
                     self.lifted[body.name] = lifted.height_m
+        self.warnings = warnings
         self.bodies += [body for _, body in loaded]
         self.file = self.file._replace(trees=(*self.file.trees, *(tree for tree, _ in loaded)))
         self.notify_changed()
@@ -88,8 +98,36 @@ class World:
         found = [body for body in (*self.bodies, *added) if body.is_plane]
         return [self.floor, *found] if self.floor else found
 
+    def _adopt_trees(self, loaded: Sequence[Tuple[Tree, Body]]) -> List[str]:
+        models: List[List[Tuple[Body, Model]]] = []
+        for tree, body in loaded:
+            if tree.first:
+                models.append([])
+            models[-1].append((body, tree.model))
+        return [line for bodies in models for line in self.adopt(bodies)]
+
+    def adopt(self, bodies: Sequence[Tuple[Body, Model]]) -> List[str]:
+        """Let the bodies of a model act like in Gazebo, each with what it was made of.
+
+        That is until they are removed. Returns warnings, a line each.
+        """
+        self._meeting.add(bodies)
+        lines: List[str] = []
+        for body, model in bodies:
+            forces = Forces(body, model, self.step_s)
+            lines += ['{}: {}'.format(body.name, line) for line in forces.warnings]
+            if forces:
+                self._forces[body.body_id] = forces
+        return lines
+
+    def _let_go(self, body: Body) -> None:
+        """Undo `adopt`; call it before the body is removed."""
+        self._meeting.forget(body)
+        self._forces.pop(body.body_id, None)
+
     def unload(self, body: Body) -> None:
         """Remove a body that is not one of `bodies`, a robot."""
+        self._let_go(body)
         pybullet.removeBody(body.body_id, physicsClientId=self.physics_client_id)
         self.notify_changed()
 
@@ -97,6 +135,7 @@ class World:
         """Remove some of `bodies` from the world."""
         kept = [number for number, body in enumerate(self.bodies) if body not in bodies]
         for body in bodies:
+            self._let_go(body)
             pybullet.removeBody(body.body_id, physicsClientId=self.physics_client_id)
         self.bodies = [self.bodies[number] for number in kept]
         self.file = self.file._replace(trees=tuple(self.file.trees[number] for number in kept))
@@ -107,8 +146,7 @@ class World:
         coefficients = {link.name: link.coefficient for link in model.links}
         for name, link in link_indices(body.body_id, self.physics_client_id).items():
             pybullet.changeDynamics(
-                body.body_id, link, linearDamping=0, angularDamping=0,
-                lateralFriction=coefficients.get(name, FLOOR_FRICTION),
+                body.body_id, link, lateralFriction=coefficients.get(name, FLOOR_FRICTION),
                 physicsClientId=self.physics_client_id)
         body.release(model.joints)
 
@@ -116,7 +154,10 @@ class World:
         """Advance the physics by a number of steps."""
         # local names: this is the innermost loop
         step, physics_client_id = pybullet.stepSimulation, self.physics_client_id
+        acting = tuple(self._forces.values())
         for _ in range(count):
+            for forces in acting:
+                forces.apply()
             step(physicsClientId=physics_client_id)
 
     def reset(self) -> None:

@@ -34,6 +34,10 @@ def fixed_joints(count):
                    .format(number) for number in range(1, count))
 
 
+def colliding(count):
+    return '<self_collide>1</self_collide>'
+
+
 def test_a_step_that_takes_seconds_is_said_before(tmp_path):
     world = world_of(tmp_path, *['0 0 5 0 0 0'] * 40)
     assert world.crowded == (
@@ -73,12 +77,12 @@ def test_models_that_would_stop_time_are_not_added():
     lines = []
     for name in ('m0', 'm1'):
         assert lines == []
-        models.add(name, trees(20, lambda count: ''), HERE, warn=lines.append)
+        models.add(name, trees(20, colliding), HERE, warn=lines.append)
     line, = lines
     assert line.startswith('model m1: the next step of the physics takes about 2 s: bodies touch')
     before = models.names, pybullet.getNumBodies(physicsClientId=client), sim.world.revision
     with pytest.raises(SimulationError, match='would take more than 10 s: bodies touch'):
-        models.add('m2', trees(30, lambda count: ''), HERE)
+        models.add('m2', trees(30, colliding), HERE)
     assert before == (models.names, pybullet.getNumBodies(physicsClientId=client),
                       sim.world.revision)
     sim.advance(1)
@@ -87,5 +91,5 @@ def test_models_that_would_stop_time_are_not_added():
 def test_robots_and_the_floor_may_touch_what_is_added():
     sim = simulator()
     models = Models(sim)
-    models.add('m', trees(1, lambda count: ''), HERE, warn=pytest.fail)
+    models.add('m', trees(1, colliding), HERE, warn=pytest.fail)
     sim.advance(10)

@@ -1,0 +1,97 @@
+"""Which links meet, as in Gazebo: by bitmasks, and those of a model that it lets collide."""
+import itertools
+from typing import Dict, Iterator, Sequence, Set, Tuple
+
+import pybullet
+
+from img_recog.model import ALL_BITS, Model
+from img_recog.simulation.physics.body import Body
+from img_recog.simulation.physics.client import link_indices
+
+# Two links meet in PyBullet if a group of one is in the mask of the other. Of those without a
+# bitmask, all are, and so is the one that rays are in; those of a file are beyond its own.
+_RAYS, _SHIFT = 1, 8
+
+_Pair = Tuple[int, int, int, int]        # two bodies, and a link of each
+_Part = Tuple[Body, Model]              # a body and what it was made of
+
+
+def has_spaces(model: Model) -> bool:
+    """Return whether some links of a model meet one another."""
+    return len({link.space for link in model.links if link.solids}) > 1
+
+
+class Meeting:
+    """What the links of bodies in a physics client meet."""
+
+    def __init__(self, physics_client_id: int):
+        self._client = {'physicsClientId': physics_client_id}
+        self._apart: Set[_Pair] = set()
+
+    def add(self, bodies: Sequence[_Part]) -> None:
+        """Add the bodies of a model, each with the part of it that it was made of."""
+        for body, model in bodies:
+            self._set_masks(body, model)
+            if has_spaces(model):
+                self._keep_apart((body, model), (body, model))
+        for one, other in itertools.combinations(bodies, 2):
+            if not (one[0].fixed and other[0].fixed):
+                self._keep_apart(one, other)
+
+    def forget(self, body: Body) -> None:
+        """Call before a body is removed: PyBullet gives its number to another one."""
+        gone = {pair for pair in self._apart if body.body_id in pair[:2]}
+        for pair in gone:
+            pybullet.setCollisionFilterPair(*pair, 1, **self._client)
+        self._apart -= gone
+
+    def _set_masks(self, body: Body, model: Model) -> None:
+        indices = link_indices(body.body_id, body.physics_client_id)
+        for link in model.links:
+            # all solids of a link have one mask in PyBullet
+            for solid in link.solids[:1]:
+                if solid.bitmask != ALL_BITS:
+                    groups = solid.bitmask << _SHIFT
+                    pybullet.setCollisionFilterGroupMask(
+                        body.body_id, indices[link.name], groups, groups and groups | _RAYS,
+                        **self._client)
+
+    def _keep_apart(self, one: _Part, other: _Part) -> None:
+        """Let links of two bodies of a model, or of one, only meet where Gazebo lets them."""
+        joined = {frozenset(pair) for model in (one[1], other[1]) for pair in _joined(model)}
+        for (index, owner, space), (index2, owner2, space2) in itertools.product(
+                _solid_links(*one), _solid_links(*other)):
+            if owner == owner2 or space == space2 or frozenset((owner, owner2)) in joined:
+                pair = one[0].body_id, other[0].body_id, index, index2
+                pybullet.setCollisionFilterPair(*pair, 0, **self._client)
+                self._apart.add(pair)
+
+
+def _solid_links(body: Body, model: Model) -> Iterator[Tuple[int, str, str]]:
+    """Yield the index of each link with solids, its owner and the space of that."""
+    indices, owners = link_indices(body.body_id, body.physics_client_id), _owners(model)
+    spaces = {link.name: link.space for link in model.links}
+    for link in model.links:
+        if link.solids:
+            yield indices[link.name], owners[link.name], spaces[owners[link.name]]
+
+
+def _joined(model: Model) -> Iterator[Tuple[str, str]]:
+    owners = _owners(model)
+    return ((owners[joint.parent], owners[joint.child]) for joint in model.joints)
+
+
+def _owners(model: Model) -> Dict[str, str]:
+    """Return the link that each one is a part of: the next above it for those that were added
+    when the model was read, which have no mass or no solids, else itself.
+    """
+    above = {joint.child: joint.parent for joint in model.joints}
+    parts = {link.name for link in model.links if link.name in above and not (
+        link.solids and link.inertia and link.inertia.mass)}
+    owners = {}
+    for link in model.links:
+        owner = link.name
+        while owner in parts:
+            owner = above[owner]
+        owners[link.name] = owner
+    return owners
