@@ -63,9 +63,11 @@ def simulate() -> int:
         run = simulation_run.Run(simulation_run.Options(
             given.world, given.urdf, given.until, given.every, given.twist, given.drive,
             given.velocity, given.pictures))
-        for warning in run.warnings:
-            sys.stderr.write('warning: {}\n'.format(warning))
+        told = 0
         for line in run.lines():
+            for warning in run.warnings[told:]:
+                sys.stderr.write('warning: {}\n'.format(warning))
+            told = len(run.warnings)
             sys.stdout.write(simulation_run.text_of(line) + '\n')
     except UserError as error:
         sys.stderr.write('{}: {}\n'.format(parser.prog, one_line(error)))

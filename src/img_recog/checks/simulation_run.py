@@ -50,7 +50,8 @@ class Options(NamedTuple):
 
 
 class Run:
-    """A simulation of a world, built as in the node; warnings: a line each."""
+    """A simulation of a world, built as in the node; warnings: a line each, of what flies away
+    too, as soon as it is simulated."""
 
     def __init__(self, options: Options):
         """Build it and start the motors; raise a UserError if it cannot be built."""
@@ -60,10 +61,11 @@ class Run:
                                read_file=robot_file.read_any)
         robots = [self._robot(options.urdf, physics.step_s)] if options.urdf else []
         self._built = assembly.build(physics, file, robots, kinds=SENSORS)
-        self.warnings = (*(line for robot, _ in robots for line in robot.warnings),
-                         *self._built.warnings)
+        self.warnings = [*(line for robot, _ in robots for line in robot.warnings),
+                         *self._built.warnings]
         self.left_out = (*file.left_out, *self._built.left_out)
         self._simulator = self._built.simulator
+        self._simulator.warn = self.warnings.append
         self._figures = Figures(self._simulator)
         self._readings: Dict[Tuple[str, str], Any] = {}
         self._move_models(Models(self._simulator))

@@ -1,5 +1,6 @@
 """World and vehicles, advanced together by whole steps."""
-from typing import Any, Callable, Collection, List, Optional, Sequence
+import math
+from typing import Any, Callable, Collection, List, Optional, Sequence, Set
 
 import pybullet
 
@@ -14,6 +15,9 @@ from img_recog.simulation.vehicle import Vehicle
 
 
 _STEEP = 0.7        # vertical part of the normal of a contact: 45 degrees
+# m/s: nothing in a world of robots is as fast, so the physics has thrown it
+_IMPOSSIBLE = 1000.0
+_LOOK_STEPS = 1000      # between two looks for that
 
 
 class Simulator:
@@ -22,7 +26,8 @@ class Simulator:
     Each step has a fixed order: the drives set the motors, the physics advances, and the sensors
     that are due are read. Time is the number of steps multiplied by the step.
 
-    after_step: is called after each step of the physics, if it is set.
+    after_step: is called after each step of the physics, if it is set; warn: gets a line about
+    each body that flies away.
     """
 
     def __init__(self, world: World, vehicles: Sequence[Vehicle] = ()):
@@ -31,6 +36,8 @@ class Simulator:
         self._carriers: List[Carrier] = []
         self._steps = 0
         self.after_step: Optional[Callable[[], None]] = None
+        self.warn: Callable[[str], None] = lambda line: None
+        self._flying: Set[str] = set()
         for vehicle in vehicles:
             self.add(vehicle)
 
@@ -98,15 +105,30 @@ class Simulator:
                 carrier.before_step(self._steps)
             stop = min((carrier.next_event(self._steps) for carrier in self._carriers),
                        default=end)
-            stop = min(stop, end)
+            begin, stop = self._steps, min(stop, end)
             while self.after_step is not None and self._steps < stop:
                 self.world.step()
                 self._steps += 1
                 self.after_step()
             self.world.step(stop - self._steps)
             self._steps = stop
+            if stop // _LOOK_STEPS > begin // _LOOK_STEPS:
+                self._look_for_flights()
             readings.extend(self._read_sensors())
         return readings
+
+    def _look_for_flights(self) -> None:
+        for body in (*self.world.bodies, *(vehicle.robot for vehicle in self.vehicles)):
+            if body.fixed or body.name in self._flying:
+                continue
+            linear, _ = pybullet.getBaseVelocity(body.body_id,
+                                                 physicsClientId=self.world.physics_client_id)
+            speed = math.sqrt(sum(value * value for value in linear))
+            if not speed < _IMPOSSIBLE:     # also NaN
+                self._flying.add(body.name)
+                self.warn('{} moves at {:.3g} m/s, after {:g} s: the physics has thrown it, most '
+                          'often because it was pushed into something that cannot give way; reset '
+                          'the world or move it'.format(body.name, speed, self.time_s))
 
     def _read_sensors(self) -> List[Reading]:
         """Return the readings of the sensors that are due now."""
@@ -160,6 +182,7 @@ class Simulator:
     def reset_world(self) -> None:
         """Move everything back to its start, at rest and without a command; time goes on."""
         self.world.reset()
+        self._flying.clear()
         for carrier in self._carriers:
             carrier.reset()
 

@@ -87,6 +87,7 @@ class Gazebo:
         plans = RobotPlans(physics.step_s)
         single = None if which.several_robots else plans.single()
         self._simulator = _build(physics, single)
+        self._simulator.warn = lambda line: rospy.logwarn('%s', line)
         self._pace = Pace(physics.real_time_factor)
         if stepping.paused:
             self._pace.pause()

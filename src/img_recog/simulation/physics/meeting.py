@@ -38,6 +38,12 @@ class Meeting:
             if not (one[0].fixed and other[0].fixed):
                 self._keep_apart(one, other)
 
+    def part(self, one: Body, link: int, other: Body, other_link: int) -> None:
+        """Let two links not meet until one of their bodies is removed."""
+        pair = one.body_id, other.body_id, link, other_link
+        pybullet.setCollisionFilterPair(*pair, 0, **self._client)
+        self._apart.add(pair)
+
     def forget(self, body: Body) -> None:
         """Call before a body is removed: PyBullet gives its number to another one."""
         gone = {pair for pair in self._apart if body.body_id in pair[:2]}
@@ -62,9 +68,7 @@ class Meeting:
         for (index, owner, space), (index2, owner2, space2) in itertools.product(
                 _solid_links(*one), _solid_links(*other)):
             if owner == owner2 or space == space2 or frozenset((owner, owner2)) in joined:
-                pair = one[0].body_id, other[0].body_id, index, index2
-                pybullet.setCollisionFilterPair(*pair, 0, **self._client)
-                self._apart.add(pair)
+                self.part(one[0], index, other[0], index2)
 
 
 def _solid_links(body: Body, model: Model) -> Iterator[Tuple[int, str, str]]:

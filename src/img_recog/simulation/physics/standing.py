@@ -2,7 +2,7 @@
 
 The physics would throw it into the air, or hold it fast; that of Gazebo lifts it by 1 cm/s.
 """
-from typing import List, NamedTuple, Sequence, Tuple
+from typing import List, NamedTuple, Sequence, Set, Tuple
 
 import numpy as np
 import pybullet
@@ -74,6 +74,20 @@ def depth(body: Body, other: Body) -> float:
     points = pybullet.getClosestPoints(body.body_id, other.body_id, 0.0,
                                        physicsClientId=body.physics_client_id)
     return -min((point[8] for point in points), default=0.0)
+
+
+def links_in(body: Body, other: Body) -> Set[int]:
+    """Return the links that joints move of a body that are deeper in another one than contacts."""
+    points = pybullet.getClosestPoints(body.body_id, other.body_id, 0.0,
+                                       physicsClientId=body.physics_client_id)
+    return {point[3] for point in points if point[8] < -MAX_DEPTH_M and _moves(body, point[3])}
+
+
+def _moves(body: Body, link: int) -> bool:
+    while link != -1 and link not in body.joints.values():
+        link = pybullet.getJointInfo(body.body_id, link,
+                                     physicsClientId=body.physics_client_id)[16]
+    return link != -1
 
 
 def _rise(body: Body, others: Sequence[Body]) -> Lift:

@@ -69,7 +69,7 @@ class World:
         """
         with all_or_nothing(self.physics_client_id):
             loaded = load_bodies(trees, self.physics_client_id, problems=problems)
-            warnings = self._adopt_trees(loaded)
+            self.warnings = self._adopt_trees(loaded)
             try:
                 self.crowded = crowding.check([*self.bodies, *(body for _, body in loaded)])
             except SimulationError:
@@ -79,12 +79,14 @@ class World:
         planes = self._planes(body for _, body in loaded)
         for tree, body in loaded:
             self._set_dynamics(body, tree.model)
-            if not body.fixed:
+            if body.fixed and body.joints:
+                for plane in planes:
+                    self._free_of(plane, body)
+            elif not body.fixed:
                 lifted = standing.lift(body, planes)
                 if lifted.onto:
                     body.start = body.pose()
                     self.lifted[body.name] = lifted.height_m
-        self.warnings = warnings
         self.bodies += [body for _, body in loaded]
         self.file = self.file._replace(trees=(*self.file.trees, *(tree for tree, _ in loaded)))
         self.notify_changed()
@@ -97,6 +99,13 @@ class World:
     def _planes(self, added: Iterable[Body] = ()) -> List[Body]:
         found = [body for body in (*self.bodies, *added) if body.is_plane]
         return [self.floor, *found] if self.floor else found
+
+    def _free_of(self, plane: Body, body: Body) -> None:
+        """Let what a joint holds deep in a plane not meet it: nothing could push it out."""
+        for link in standing.links_in(body, plane):
+            self._meeting.part(body, link, plane, -1)
+            self.warnings.append('{}: held in the floor by its joints; it does not meet the floor'
+                                 .format(body.name))
 
     def _adopt_trees(self, loaded: Sequence[Tuple[Tree, Body]]) -> List[str]:
         models: List[List[Tuple[Body, Model]]] = []

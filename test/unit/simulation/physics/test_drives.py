@@ -1,4 +1,5 @@
 """The speed that each kind of drive has against the speed that is asked of it."""
+import pybullet
 import pytest
 import trimesh
 
@@ -50,6 +51,16 @@ def test_a_planar_base_moves_sideways_and_on_an_arc():
     assert motion.angular == pytest.approx([0, 0, 0.5], abs=0.005)
     true = simulator.vehicles[0].robot.motion()
     assert motion.position == pytest.approx(true.position, abs=0.005)
+
+
+def test_the_wheels_of_a_planar_base_stop():
+    simulator = assembled(robot(PLANAR)).simulator
+    body = simulator.vehicles[0].robot
+    for joint in body.joints.values():
+        pybullet.resetJointState(body.body_id, joint, 0.0, 3.0,
+                                 physicsClientId=body.physics_client_id)
+    simulator.advance(500)
+    assert body.joint_states().velocities == pytest.approx([0.0] * len(body.joints), abs=0.01)
 
 
 def test_a_wall_stops_a_planar_base_and_it_falls_off_an_edge():

@@ -2,6 +2,7 @@
 
 They were read off it once; no test runs it.
 """
+import pybullet
 import pytest
 
 from img_recog.formats import world_file
@@ -12,7 +13,7 @@ from img_recog.simulation.physics.client import connect
 from img_recog.simulation.physics.world import World
 from img_recog.simulation.settings import PhysicsSettings
 from img_recog.simulation.simulator import Simulator
-from img_recog_testing.sdf import sdf
+from img_recog_testing.sdf import BUILT_IN, sdf
 
 INERTIAL = ('<inertial><mass>1</mass><inertia><ixx>{0}</ixx><iyy>{1}</iyy><izz>{1}</izz></inertia>'
             '</inertial>')
@@ -29,13 +30,10 @@ ALONE = '<model name="m">' + BOX + '</model>'
 STEPS = 1000
 
 
-FLOOR = '<include><uri>model://ground_plane</uri></include>'
-
-
 def simulated(*models):
     """Return a simulator of some models on a floor."""
     file = world_file.read('w.sdf', {}, read_file=lambda path: sdf(
-        FLOOR, *models), allow_partial=True)
+        BUILT_IN, *models), allow_partial=True)
     return Simulator(World(PhysicsSettings(), file, connect(), Problems()))
 
 
@@ -159,3 +157,42 @@ def test_damping_beyond_what_is_stable_gets_a_line_and_ends_nowhere():
         '333.542 and 0']
     simulator.advance(STEPS)
     assert 0 < Figures(simulator).joints()['m::j'][0] < 0.02
+
+
+def test_each_link_of_a_world_has_its_own_friction():
+    mu = '<surface><friction><ode><mu>{}</mu></ode></friction></surface>'
+    simulator = simulated('<model name="m">{}{}<joint name="j" type="revolute"><parent>a</parent>'
+                          '<child>b</child><axis><xyz>0 0 1</xyz></axis></joint></model>'.format(
+                              BOX.format(name='a', pose='0 0 1', surface=mu.format(0.1), link=''),
+                              BOX.format(name='b', pose='1 0 1', surface=mu.format(0.3), link='')))
+    body, client = simulator.world.bodies[0].body_id, simulator.world.physics_client_id
+    assert [pybullet.getDynamicsInfo(body, link, physicsClientId=client)[1]
+            for link in (-1, 0)] == [0.1, 0.3]
+
+
+def test_what_a_hinge_holds_in_the_floor_does_not_meet_it():
+    simulator = simulated(
+        '<model name="m">' + BOX.format(name='l', pose='0 0 0', surface='', link='')
+        + '<joint name="j" type="revolute"><parent>world</parent><child>l</child><axis><xyz>1 0 0'
+        '</xyz></axis></joint></model>',
+        '<model name="n">' + BOX.format(name='l', pose='0 0 0.2', surface='', link='')
+        + '</model>')
+    assert simulator.world.warnings == [
+        'm: held in the floor by its joints; it does not meet the floor']
+    simulator.advance(STEPS)        # the box on it is not thrown away
+    assert Figures(simulator).links()['n::l'][2] == pytest.approx(0.2, abs=0.005)
+
+
+def test_a_body_that_flies_away_gets_one_line_until_a_reset():
+    simulator = simulated(ALONE.format(name='l', pose='0 0 50', surface='', link=''))
+    models, lines = Models(simulator), []
+    simulator.warn = lines.append
+    for _ in range(2):
+        models.set_state('m', models.state('m')._replace(linear=(2000, 0, 0)))
+        simulator.advance(3 * STEPS)
+        line, = lines
+        assert line.startswith('m moves at 2e+03 m/s, after ')
+        lines.clear()
+        simulator.reset_world()
+    simulator.advance(3 * STEPS)
+    assert lines == []
