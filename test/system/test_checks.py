@@ -170,8 +170,8 @@ def test_what_is_left_out_of_a_world_as_figures(run, tmp_path):
     (WALL, 0, ''),
     (WALL.replace('<static>', '<kinematic>1</kinematic><static>'), 2,
      'not known: <kinematic> of world default model wall'),
-    (WALL.replace('<visual', '<gravity>0</gravity><visual'), 2,
-     'not simulated: <gravity> of model wall link l'),
+    (WALL.replace('<visual', '<projector/><visual'), 2,
+     'not simulated: <projector> of model wall link l'),
     (WALL + WALL, 2, 'not used: second model wall of ')])
 def test_a_world_that_asks_for_more(run, tmp_path, model, code, line):
     (tmp_path / 'hall.sdf').write_text(sdf(BUILT_IN, model))
