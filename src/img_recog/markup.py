@@ -1,4 +1,6 @@
 """Reads XML and YAML that others wrote: what a parser cannot take is one error, with one line."""
+import functools
+import math
 import re
 import xml.etree.ElementTree as ElementTree
 from typing import Any, Dict, List, Match, NamedTuple, Optional, Set, Tuple, Union
@@ -241,6 +243,39 @@ def _check_length(text: Union[str, bytes]) -> None:
             characters.count('\n', 0, found.start()) + 1, _MAX_TAG))
 
 
+@functools.lru_cache(maxsize=None)
+def _yaml_loader() -> Any:
+    """Return PyYAML's loader with the angles that rosparam knows, which it makes radians."""
+    import yaml
+
+    class Loader(yaml.SafeLoader):
+        """A class of its own, so that other users of PyYAML do not get the angles."""
+
+    for tag, function, unit in (('!degrees', 'deg', math.pi / 180), ('!radians', 'rad', 1.0)):
+        Loader.add_constructor(tag, lambda loader, node, unit=unit: unit * _angle(
+            loader.construct_scalar(node)))
+        Loader.add_implicit_resolver(tag, re.compile(function + r'\(.*\)$'), function[0])
+    return Loader
+
+
+def _angle(text: str) -> float:
+    """Return the value of a number in a text, or of a product or quotient with pi.
+
+    >>> _angle('deg(120)'), _angle('-pi/2')
+    (120.0, -1.5707963267948966)
+    """
+    found = re.fullmatch(r'\s*(?:(?:deg|rad)\((.*)\)|(.*))\s*', text)
+    first, *rest = re.split('([*/])', (found and (found.group(1) or found.group(2))) or '')
+    value = _factor(first)
+    for operator, word in zip(rest[::2], rest[1::2]):
+        value = value * _factor(word) if operator == '*' else value / _factor(word)
+    return value
+
+
+def _factor(word: str) -> float:
+    return {'pi': math.pi, '-pi': -math.pi}.get(word.strip()) or float(word)
+
+
 def load_yaml(text: bytes) -> Any:
     """Return the content of a YAML text; raise MarkupError if it cannot be read.
 
@@ -248,7 +283,7 @@ def load_yaml(text: bytes) -> Any:
     """
     import yaml  # takes time, and few need it
     try:
-        loader = yaml.SafeLoader(text)
+        loader = _yaml_loader()(text)
         node = loader.get_single_node()
         _refuse_twice(node, set())
         return None if node is None else loader.construct_document(node)

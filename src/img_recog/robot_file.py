@@ -1,7 +1,9 @@
 """Reads the file of a robot: a URDF, or a xacro file, which is expanded to a URDF."""
 import argparse
 import contextlib
+import io
 import os
+import re
 import shlex
 import shutil
 import subprocess
@@ -137,7 +139,7 @@ def _expanded_by_command(command: str, path: str) -> str:
                                 stderr=subprocess.PIPE, timeout=_TIMEOUT_S, check=True,
                                 universal_newlines=True)
     except subprocess.CalledProcessError as error:
-        raise _failed(path, error.stderr.strip())
+        raise _failed(path, UserError(error.stderr.strip()))
     except (OSError, subprocess.TimeoutExpired) as error:
         raise _failed(path, error)
     return result.stdout
@@ -152,10 +154,24 @@ def _expanded_by_module(path: str) -> str:
             return xacro.process_file(path).toxml()
     except Exception as error:      # xacro evaluates Python expressions: anything may be raised
         if missing:
+            files = [path, *filter(os.path.isfile, xacro.all_includes)]
+            missing += [name for file in files for name in _packages_in(file)]
             raise UserError(
-                'xacro cannot expand {}: there is no ROS package {}'.format(path, missing[0]),
+                'xacro cannot expand {}: there is no ROS package {}'.format(
+                    path, ', '.join(dict.fromkeys(missing))),
                 'source the workspace that has it, or add its folder to ROS_PACKAGE_PATH')
-        raise _failed(path, error)
+        where = io.StringIO()
+        with contextlib.redirect_stderr(where):     # as its command does: the macro and the files
+            xacro.print_location()
+        raise _failed(path, UserError(one_line(error),
+                                      ', '.join(where.getvalue().splitlines())))
+
+
+def _packages_in(path: str) -> List[str]:
+    """Return the names of the packages that a xacro file wants to find and that are not there."""
+    text = re.sub('<!--.*?-->', '', read_bytes(path).decode('utf-8', 'replace'), flags=re.DOTALL)
+    there = rospkg.RosPack().list()
+    return [name for name in re.findall(r'\$\(find +([^)\s$]+) *\)', text) if name not in there]
 
 
 @contextlib.contextmanager

@@ -195,6 +195,20 @@ def test_hostile_yaml_is_one_line_wherever_it_is_read(tmp_path, text):
     assert str(path) in refusal(calibration.load, str(path))
 
 
+@pytest.mark.parametrize('text, value', [
+    ('deg(120)', 2.0943951), ('!degrees 120.0', 2.0943951), ('!degrees 120', 2.0943951),
+    ('rad(2*pi)', 6.2831853), ('!radians pi/2', 1.5707963), ('rad(-1.5)', -1.5),
+    ('deg(-90)', -1.5707963), ('degree', 'degree'), ('"deg(5)"', 'deg(5)')])
+def test_angles_of_yaml_are_those_of_rosparam(text, value):
+    found = markup.load_yaml('a: {}'.format(text).encode())['a']
+    assert found == (value if isinstance(value, str) else pytest.approx(value))
+
+
+@pytest.mark.parametrize('text', [b'deg(x)', b'!degrees [1]', b'rad()', b'rad(1/0)'])
+def test_wrong_angles_of_yaml_are_one_line(text):
+    assert '\n' not in refusal(markup.load_yaml, text)
+
+
 def test_yaml_that_is_too_deep_for_python():
     assert refusal(markup.load_yaml, b'[' * 1000) == 'nested too deeply'
 

@@ -203,6 +203,28 @@ def test_module_that_fails_is_a_line_with_its_reason(box, text, words):
     assert 'xacro cannot expand' in refusal(box) and words in refusal(box)
 
 
+@needs_module
+def test_an_error_names_the_macro_and_the_file_that_is_included(box, tmp_path):
+    common = tmp_path / 'packages' / 'toy_description' / 'urdf' / 'common.xacro'
+    common.write_text(COMMON.replace('${half}', '${whole}'))
+    line = refusal(box)
+    assert "name 'whole' is not defined" in line and line.endswith(
+        'when instantiating macro: shape ({}), in file: {}'.format(common, box))
+    common.write_text(COMMON.replace('</visual>', ''))
+    line = refusal(box)
+    assert 'mismatched tag: line 2, column ' in line and line.endswith(
+        'when processing file: {}, included from: {}'.format(common, box))
+
+
+@needs_module
+def test_all_packages_that_are_missing_are_named(box):
+    include = '<xacro:include filename="$(find {})/a.xacro"/>'
+    with open(box, 'w') as file:
+        file.write(XACRO.replace('<link', '{}<!-- $(find nobody) -->{}<link'.format(
+            include.format('lost_arm'), include.format('lost_base'))))
+    assert 'there is no ROS package lost_arm, lost_base; source' in refusal(box)
+
+
 def test_program_prints_the_urdf_or_one_line(tmp_path, monkeypatch, capsys):
     path = tmp_path / 'robot.urdf'
     path.write_text(URDF)

@@ -9,7 +9,7 @@ from typing import List, Optional
 from img_recog.formats import drive_controllers
 from img_recog.formats.drive_controllers import CORNERS, Drive, FindControllers
 from img_recog.formats.gazebo_tags import (FLAG, NAME, NAMES, NUMBER, POSITIVE, RATE, TOPIC, Row,
-                                           Tags, choice, is_of)
+                                           Tags, Values, choice, is_of)
 from img_recog.model import PLANAR
 
 _WORLD, _ENCODER = 'world', 'encoder'
@@ -22,6 +22,9 @@ _TOPICS = (
 _UPDATE_RATE = (
     Row('odometry_period_s', RATE, 'plugin', 'updateRate', 'update_rate'),
     Row('joint_states_period_s', RATE, 'plugin', 'updateRate', 'update_rate'))
+# of the two plugins for wheels of gazebo_plugins: 5 N m, no limit, and 100 Hz
+_ASSUMED: Values = {'wheel_torque': 5.0, 'wheel_acceleration': 0.0, 'odometry_period_s': 0.01,
+                    'joint_states_period_s': 0.01}
 
 
 def _other_sizes(plugin: ElementTree.Element) -> List[str]:
@@ -45,7 +48,7 @@ DIFF_DRIVE = Drive(Tags(('gazebo_ros_diff_drive',), (
         _WORLD: _WORLD, '1': _WORLD, _ENCODER: _ENCODER, '0': _ENCODER}), 'plugin',
         'odometrySource', 'odometry_source'),
     Row('publish_odom_tf', FLAG, 'plugin', 'publishOdomTF', 'publish_odom_tf'),
-    *_TOPICS, *_UPDATE_RATE), not_simulated=_other_sizes))
+    *_TOPICS, *_UPDATE_RATE), not_simulated=_other_sizes), _ASSUMED)
 
 PLUGINS = (
     DIFF_DRIVE,
@@ -58,7 +61,7 @@ PLUGINS = (
         # the names of the plugin
         {'leftFrontJoint': 'left_front_joint', 'leftRearJoint': 'left_rear_joint',
          'rightFrontJoint': 'right_front_joint', 'rightRearJoint': 'right_rear_joint',
-         'wheel_torque': 5.0, 'wheel_acceleration': 0.0, 'publish_odom_tf': False}),
+         **_ASSUMED, 'publish_odom_tf': False}),
     Drive(Tags(('gazebo_ros_planar_move',), (
         Row('odometry_period_s', RATE, 'plugin', 'odometryRate', 'publish_rate'),
         Row('publish_odom_tf', FLAG, 'plugin', 'publishTF', 'publish_odom_tf'),

@@ -105,7 +105,13 @@ def test_every_name_of_a_tag(names):
         'command_topic': 'go', 'odometry_topic': 'at', 'odom_frame': 'map', 'base_frame': 'base',
         'odometry_source': 'encoder', 'publish_odom_tf': False, 'left_joint': 'l',
         'right_joint': 'r', 'wheel_separation': 2.0, 'wheel_diameter': 3.0, 'wheel_torque': 4.0,
-        'wheel_acceleration': 5.0}
+        'wheel_acceleration': 5.0, 'odometry_period_s': 0.01, 'joint_states_period_s': 0.01}
+
+
+@pytest.mark.parametrize('library', ['gazebo_ros_diff_drive', 'gazebo_ros_skid_steer_drive'])
+def test_what_plugins_for_wheels_assume(library):
+    assert not differing(values(plugin(library)), wheel_torque=5.0, wheel_acceleration=0.0,
+                         odometry_period_s=0.01, joint_states_period_s=0.01)
 
 
 def test_kobuki():

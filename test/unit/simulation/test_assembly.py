@@ -24,7 +24,8 @@ def test_robot_with_its_tags_and_warnings():
     robot = read(burger().replace('</robot>', TAGS).replace('</robot>', MESH))
     assert (robot.source, robot.model.name) == ('robot.urdf', 'turtlebot3_burger')
     assert robot.tag_values == {'wheel_separation': 0.3, 'odometry_period_s': pytest.approx(0.02),
-                                'joint_states_period_s': pytest.approx(0.02)}
+                                'joint_states_period_s': pytest.approx(0.02),
+                                'wheel_torque': 5.0, 'wheel_acceleration': 0.0}
     mesh, tag = robot.warnings
     assert mesh.startswith('robot.urdf: mesh not found') and 'package://lost/x.stl' in mesh
     assert tag.startswith('robot.urdf: ') and tag.endswith('plugin liblamp.so')
@@ -79,7 +80,8 @@ def test_default_settings_are_those_of_tags_and_else_the_defaults():
     assert plain == RobotSettings(sensors=plain.sensors)
     assert plain.sensors['scan'] == ScanSettings()
     settings = assembly.default_settings(read(burger().replace('</robot>', TAGS)))
-    assert settings.drive == DriveSettings(wheel_separation=0.3)
+    assert settings.drive == DriveSettings(wheel_separation=0.3, wheel_torque=5.0,
+                                           wheel_acceleration=0.0)
     assert settings.sensors['odometry'].odometry_period_s == pytest.approx(0.02)
     assert settings.sensors['scan'] == ScanSettings()
 
