@@ -137,7 +137,7 @@ def _file(_, value):
 
 def _urdf(name, value):
     path = _absolute(value)
-    if path.endswith('.xacro') and "'" in path:
+    if '.xacro' in path and "'" in path:
         raise ArgumentError('{}: roslaunch cannot pass on the apostrophe in {}; rename the file '
                             'or its folder', name, path)
     return path

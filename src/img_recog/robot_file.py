@@ -9,7 +9,7 @@ import shutil
 import subprocess
 import sys
 import types
-from typing import Iterator, List, Optional, Union
+from typing import Iterator, List, Optional, Sequence, Tuple, Union
 
 import rospkg
 
@@ -24,10 +24,15 @@ _TIMEOUT_S = 60.0
 def read(path: str, option: str = 'urdf') -> str:
     """Return the text of a URDF.
 
-    path: of a URDF, or of a xacro file, whose name ends with .xacro. option: what the user types
-    to name the file, for the error.
+    path: of a URDF, or of a xacro file, whose name ends with .xacro; arguments of xacro can follow
+    that after a space, like 'my.urdf.xacro arm:=true': NAME:=VALUE, or NAME=VALUE, since roslaunch
+    takes only one := in an argument. option: what the user types to name the file, for the error.
     Raises UserError when it cannot be read, xacro is missing or fails, or a URDF contains xacro.
     """
+    path, arguments = _divided(path)
+    if arguments and not path.endswith(_XACRO):
+        raise UserError('cannot read the robot in {}: it is no .xacro file, and has no argument {}'
+                        .format(path, ' '.join(arguments)), 'set {} to the file'.format(option))
     try:
         content = read_bytes(path)
         text = '' if path.endswith(_XACRO) else _text(content)
@@ -41,7 +46,7 @@ def read(path: str, option: str = 'urdf') -> str:
         raise UserError('cannot read the robot in {}: it is not a text file'.format(path),
                         'set {} to a URDF file'.format(option))
     if path.endswith(_XACRO):
-        return _checked_and_expanded(path, content)
+        return _checked_and_expanded(path, content, arguments)
     try:
         root = parse_xml(text)
     except MarkupError:
@@ -65,7 +70,8 @@ def read_any(path: str) -> Union[str, bytes]:
 def main() -> int:
     """Print the URDF of the file that is the program's argument; return the exit code."""
     parser = argparse.ArgumentParser(description='Print the URDF of the file of a robot.')
-    parser.add_argument('file', metavar='FILE', help='a URDF, or a xacro file, which is expanded')
+    parser.add_argument('file', metavar='FILE', help='a URDF, or a xacro file, which is '
+                        "expanded; with arguments: 'FILE NAME:=VALUE ...'")
     path = parser.parse_args().file
     try:
         sys.stdout.write(read(path))
@@ -93,18 +99,31 @@ def _text(content: bytes) -> str:
         return content.decode('latin-1')
 
 
-def _checked_and_expanded(path: str, content: bytes) -> str:
+def _divided(text: str) -> Tuple[str, List[str]]:
+    """Return a path and the arguments of xacro after it, as NAME:=VALUE.
+
+    >>> _divided('my robot.urdf.xacro arm:=true size=2')
+    ('my robot.urdf.xacro', ['arm:=true', 'size:=2'])
+    """
+    found = re.fullmatch(r'(.*?)((?:\s+[A-Za-z_]\w*:?=\S*)*)\s*', text, re.DOTALL)
+    if found is None or os.path.exists(text):
+        return text, []
+    return found.group(1), [re.sub('^([^:=]*):?=', r'\1:=', word)
+                            for word in found.group(2).split()]
+
+
+def _checked_and_expanded(path: str, content: bytes, arguments: Sequence[str] = ()) -> str:
     try:
         check_xml(content)
     except MarkupError as error:
         raise _failed(path, error)
-    return _expanded(path)
+    return _expanded(path, arguments)
 
 
-def _expanded(path: str) -> str:
+def _expanded(path: str, arguments: Sequence[str]) -> str:
     command = _ros_command()
     if command is not None:
-        return _expanded_by_command(command, path)
+        return _expanded_by_command(command, path, arguments)
     try:
         # the xacro of ROS 2, which PyPI has; that of ROS 1 has no such module
         import xacro.substitution_args      # noqa: F401
@@ -115,7 +134,7 @@ def _expanded(path: str) -> str:
             'install it (Ubuntu 20.04: apt-get install ros-noetic-xacro, Debian: {} -m pip '
             'install xacro) or convert the file elsewhere: xacro {} > robot.urdf'.format(
                 *map(shlex.quote, (sys.executable, path))))
-    return _expanded_by_module(path)
+    return _expanded_by_module(path, arguments)
 
 
 def _ros_command() -> Optional[str]:
@@ -133,11 +152,11 @@ def _ros_command() -> Optional[str]:
     return shutil.which('xacro', path=os.pathsep.join(folders))
 
 
-def _expanded_by_command(command: str, path: str) -> str:
+def _expanded_by_command(command: str, path: str, arguments: Sequence[str]) -> str:
     try:
-        result = subprocess.run([command, path], stdin=subprocess.DEVNULL, stdout=subprocess.PIPE,
-                                stderr=subprocess.PIPE, timeout=_TIMEOUT_S, check=True,
-                                universal_newlines=True)
+        result = subprocess.run([command, path, *arguments], stdin=subprocess.DEVNULL,
+                                stdout=subprocess.PIPE, stderr=subprocess.PIPE,
+                                timeout=_TIMEOUT_S, check=True, universal_newlines=True)
     except subprocess.CalledProcessError as error:
         raise _failed(path, UserError(error.stderr.strip()))
     except (OSError, subprocess.TimeoutExpired) as error:
@@ -145,13 +164,14 @@ def _expanded_by_command(command: str, path: str) -> str:
     return result.stdout
 
 
-def _expanded_by_module(path: str) -> str:
+def _expanded_by_module(path: str, arguments: Sequence[str]) -> str:
     import xacro
     missing: List[str] = []
     setattr(xacro, 'open', lambda path: open(path, opener=plain))       # what it includes
     try:
         with _package_index(missing):
-            return xacro.process_file(path).toxml()
+            return xacro.process_file(path, mappings=dict(
+                each.split(':=', 1) for each in arguments)).toxml()
     except Exception as error:      # xacro evaluates Python expressions: anything may be raised
         if missing:
             files = [path, *filter(os.path.isfile, xacro.all_includes)]

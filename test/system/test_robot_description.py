@@ -25,17 +25,18 @@ def dump(ros, tmp_path):
     env['ROS_PACKAGE_PATH'] = '{}:{}'.format(
         tmp_path / 'packages', ros.env['ROS_PACKAGE_PATH'])
 
-    def run(text):
+    def run(text, arguments=''):
         (tmp_path / 'my robot.urdf.xacro').write_text(text)
         process = ros.start('roslaunch', '--dump-params', 'img_recog', 'demo.launch',
-                            'urdf:=my robot.urdf.xacro', env=env, cwd=str(tmp_path))
+                            'urdf:=my robot.urdf.xacro' + arguments, env=env, cwd=str(tmp_path))
         process.wait()
         return process.output
     return run
 
 
-def test_xacro_file_is_expanded(dump):
-    assert '/robot_description: \'<robot name="expanded"/>' in dump('<robot size="1"/>')
+@pytest.mark.parametrize('arguments', ['', ' arm=true'])
+def test_xacro_file_is_expanded(dump, arguments):
+    assert '/robot_description: \'<robot name="expanded"/>' in dump('<robot size="1"/>', arguments)
 
 
 def test_xacro_file_that_cannot_be_expanded_gives_a_line_with_the_reason(dump):

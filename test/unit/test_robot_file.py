@@ -204,6 +204,25 @@ def test_module_that_fails_is_a_line_with_its_reason(box, text, words):
 
 
 @needs_module
+@pytest.mark.parametrize('arguments', [' side:=0.8', '  side=0.8 '])
+def test_arguments_of_xacro_stand_after_the_file(box, arguments):
+    assert 'radius="0.4"' in robot_file.read(box + arguments)
+
+
+def test_arguments_reach_the_command(box, command):
+    command('shift; echo "<robot>$@</robot>"')
+    assert robot_file.read(box + ' a:=1 b=x:=y') == '<robot>a:=1 b:=x:=y</robot>\n'
+
+
+def test_a_urdf_has_no_arguments(tmp_path):
+    (tmp_path / 'my.urdf').write_text(URDF)
+    line = refusals.refusal(robot_file.read, '{} arm:=true'.format(tmp_path / 'my.urdf'))
+    assert 'it is no .xacro file, and has no argument arm:=true; set urdf to the file' in line
+    (tmp_path / 'my.urdf a=b').write_text(URDF)
+    assert robot_file.read(str(tmp_path / 'my.urdf a=b')) == URDF
+
+
+@needs_module
 def test_an_error_names_the_macro_and_the_file_that_is_included(box, tmp_path):
     common = tmp_path / 'packages' / 'toy_description' / 'urdf' / 'common.xacro'
     common.write_text(COMMON.replace('${half}', '${whole}'))

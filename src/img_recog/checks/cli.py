@@ -13,7 +13,8 @@ _SECONDS = allowed(float, lambda seconds: 0 < seconds <= 1e6, 'a number above 0,
 def robot() -> int:
     """Check the robot that the command line names; return the exit code."""
     parser = _parser('check_robot.py', 'Say what of a robot is simulated, what is not, and what '
-                     'is assumed; drive it a little.', 'a URDF or xacro file')
+                     'is assumed; drive it a little.', 'a URDF or xacro file; with '
+                     "arguments of xacro: 'FILE NAME:=VALUE ...'")
     parser.add_argument('--controllers', metavar='YAML', action='append', default=[],
                         help='parameters of its controllers of ros_control; may be repeated')
     options = parser.parse_args()
