@@ -167,6 +167,7 @@ def _expanded_by_command(command: str, path: str, arguments: Sequence[str]) -> s
 def _expanded_by_module(path: str, arguments: Sequence[str]) -> str:
     import xacro
     missing: List[str] = []
+    del xacro.all_includes[:]       # it keeps those of files before
     setattr(xacro, 'open', lambda path: open(path, opener=plain))       # what it includes
     try:
         with _package_index(missing):

@@ -244,6 +244,16 @@ def test_all_packages_that_are_missing_are_named(box):
     assert 'there is no ROS package lost_arm, lost_base; source' in refusal(box)
 
 
+@needs_module
+def test_packages_of_a_file_before_are_not_named(box, tmp_path):
+    common = tmp_path / 'packages' / 'toy_description' / 'urdf' / 'common.xacro'
+    common.write_text(COMMON.replace('<visual>', '<visual name="$(find lost_first)">'))
+    assert 'package lost_first; source' in refusal(box)
+    with open(box, 'w') as file:
+        file.write(XACRO.replace('toy_description', 'lost_second'))
+    assert 'package lost_second; source' in refusal(box)
+
+
 def test_program_prints_the_urdf_or_one_line(tmp_path, monkeypatch, capsys):
     path = tmp_path / 'robot.urdf'
     path.write_text(URDF)
