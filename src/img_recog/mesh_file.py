@@ -226,7 +226,7 @@ def _placed(mesh: Any, poses: np.ndarray) -> Any:
     faces[is_mirrored] = faces[is_mirrored, :, ::-1]
     normals = None
     if 'vertex_normals' in mesh._cache:         # not a getter, which would compute them
-        normals = mesh.vertex_normals @ turns.transpose(0, 2, 1)
+        normals = mesh.vertex_normals @ _of_normals(turns).transpose(0, 2, 1)
         normals /= np.maximum(np.linalg.norm(normals, axis=2, keepdims=True), 1e-12)
         normals = normals.reshape(-1, 3)
     uv = mesh.visual.uv
@@ -234,6 +234,14 @@ def _placed(mesh: Any, poses: np.ndarray) -> Any:
         None if uv is None else np.tile(uv, (count, 1)), material=mesh.visual.material)
     return trimesh.Trimesh(vertices.reshape(-1, 3), faces.reshape(-1, 3), visual=visual,
                            vertex_normals=normals, process=False)
+
+
+def _of_normals(turns: np.ndarray) -> np.ndarray:
+    """Return what turns normals where turns (k, 3, 3) with scales turn positions: their cofactors,
+    as those of a scale of 0 have no inverse."""
+    rows = turns[:, [1, 2, 0]], turns[:, [2, 0, 1]]
+    signs = np.where(np.linalg.det(turns) < 0, -1, 1)
+    return np.cross(*rows) * signs[:, None, None]
 
 
 def _number(mesh: Any) -> int:

@@ -288,6 +288,16 @@ def test_the_given_normals_turn_with_each_node(tmp_path):
     assert part.normals[2:] == pytest.approx(np.broadcast_to((0, 0.6, 0.8), (2, 3, 3)))
 
 
+@pytest.mark.parametrize('scale, normal', [
+    ('1 1 0.2', (0.6, 0, 4)), ('1 1 -0.2', (0.6, 0, -4)), ('1 1 0', (0, 0, 1)),
+    ('-2 1 1', (-0.3, 0, 0.8))])
+def test_normals_stay_at_right_angles_where_a_node_is_scaled(tmp_path, scale, normal):
+    text = collada(nodes=NODE.format('<scale>{}</scale>'.format(scale), BIND))
+    part = read(tmp_path, text.replace('0 0 1</float', '0.6 0 0.8</float'))
+    assert part.normals == pytest.approx(np.broadcast_to(
+        np.array(normal) / np.linalg.norm(normal), (2, 3, 3)))
+
+
 def test_vertices_may_have_normals_and_texture_coordinates(tmp_path):
     text = collada(primitives='<triangles count="2" material="m1"><input semantic="VERTEX" '
                    'source="#v" offset="0"/><p>0 1 2 0 2 3</p></triangles>')
