@@ -14,7 +14,7 @@ import numpy as np
 import pybullet
 
 from img_recog import resources
-from img_recog.model import VisualScene
+from img_recog.model import SUN, VisualScene
 from img_recog.rendering import matrices
 from img_recog.rendering.camera import Camera
 from img_recog.rendering.opengl import Renderer
@@ -92,7 +92,7 @@ def pybullet_by(client: int) -> Callable[[Drive, Camera], Draw]:
                 camera.width, camera.height,
                 matrices.view(moment.camera_pose).T.ravel().tolist(),
                 projection.T.ravel().tolist(), shadow=1,
-                lightDirection=drive.visuals.light.sun, lightColor=(1, 1, 1),
+                lightDirection=[-axis for axis in SUN.direction], lightColor=(1, 1, 1),
                 lightAmbientCoeff=0.75, lightDiffuseCoeff=0.25, lightSpecularCoeff=0.0,
                 flags=pybullet.ER_NO_SEGMENTATION_MASK,
                 renderer=pybullet.ER_BULLET_HARDWARE_OPENGL,

@@ -13,9 +13,9 @@ import numpy as np
 from img_recog.errors import UserError, one_line
 from img_recog.files import plain
 from img_recog.mesh_formats import collada, stl, wavefront
-from img_recog.mesh_formats.file_material import FileMaterial, find_texture, number_of
+from img_recog.mesh_formats.file_material import find_texture, number_of
 from img_recog.mesh_formats.simplified import FilePart, Simplified
-from img_recog.model import GREY, WHOLE, Color, Submesh
+from img_recog.model import WHITE, WHOLE, Material, Submesh
 
 READABLE = ('.dae', '.obj', '.stl')
 # a triangle takes 300 bytes while it is read, and 108 when it is drawn
@@ -28,17 +28,15 @@ class Triangles(NamedTuple):
     """Triangles of one material.
 
     positions (n, 3, 3): in m, a row a corner; normals (n, 3, 3): unit vectors; uvs (n, 3, 2): from
-    the lower left corner of the texture; color: of the material; texture: the path of an image
-    file, '' for none, that replaces the color but for its opacity; has_material: whether the file
-    states the color or texture; problem: what of the file cannot be read, else ''; name: of the
-    part of the file.
+    the lower left corner of the texture; material: WHITE if the file states none, has_material:
+    whether it does; problem: what of the file cannot be read, else ''; name: of the part of the
+    file.
     """
 
     positions: np.ndarray
     normals: np.ndarray
     uvs: np.ndarray
-    color: Color = GREY
-    texture: str = ''
+    material: Material = WHITE
     has_material: bool = False
     problem: str = ''
     name: str = ''
@@ -114,7 +112,7 @@ def write(path: str, folder: str, materials: bool = False, submesh: Submesh = WH
     return name
 
 
-def _simple_material(material: FileMaterial, number: int) -> Any:
+def _simple_material(material: Material, number: int) -> Any:
     from PIL import Image
     from trimesh.visual.material import SimpleMaterial
 
@@ -260,8 +258,7 @@ def _triangles(mesh: Any, part: FilePart) -> Triangles:
     uvs = np.zeros((len(positions), 3, 2))
     if mesh.visual.kind == 'texture' and mesh.visual.uv is not None:
         uvs = np.asarray(mesh.visual.uv)[mesh.faces]
-    color, texture = part.material or FileMaterial()
-    return Triangles(positions, np.asarray(normals, float), uvs, color, texture,
+    return Triangles(positions, np.asarray(normals, float), uvs, part.material or WHITE,
                      part.material is not None, name=part.name)
 
 

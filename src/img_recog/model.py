@@ -10,9 +10,9 @@ import numpy as np
 
 from img_recog.rotations import IDENTITY, Transform
 
-Color = Tuple[float, float, float, float]
+Rgb = Tuple[float, float, float]                # from 0 to 1, not limited to them
+Color = Tuple[float, float, float, float]       # and the opacity
 
-GREY: Color = (0.7, 0.7, 0.7, 1.0)      # of what has no material
 # from the frame of a camera body (x forward, y to the left, z up) to OpenGL's (x right, y up,
 # z backward)
 BODY_TO_OPENGL = np.array([[0, -1, 0, 0], [0, 0, 1, 0], [-1, 0, 0, 0], [0, 0, 0, 1]], float)
@@ -23,6 +23,8 @@ FIXED, CONTINUOUS, PRISMATIC, REVOLUTE = 'fixed', 'continuous', 'prismatic', 're
 BOX, CYLINDER, SPHERE, PLANE, MESH = 'box', 'cylinder', 'sphere', 'plane', 'mesh'
 CAPSULE, HEIGHTMAP = 'capsule', 'heightmap'
 ALL_BITS = 0xffff       # of a solid that meets all others
+DIRECTIONAL, POINT, SPOT = 'directional', 'point', 'spot'       # lights
+LINEAR, EXP, EXP2 = 'linear', 'exp', 'exp2'                     # fog
 # Of the floor, and of what has no coefficient (Gazebo's default). PyBullet multiplies the
 # coefficients of two bodies, Gazebo takes the lower one: a higher one makes no difference there.
 FLOOR_FRICTION = 1.0
@@ -58,16 +60,35 @@ class Shape(NamedTuple):
 
 
 class Material(NamedTuple):
-    """A color (red, green, blue, opacity; 0 to 1), multiplied by the image file `texture`.
+    """What a surface does with light, as Ogre computes it.
 
-    texture: '' for none; scale: how large its image is, 1 for all of the texture coordinates;
-    is_cutout: whether the texture is only seen where it is opaque.
+    color: the share of the light of lamps that it sends in all directions, and the opacity;
+    ambient: of that of the surroundings, None for that of `color`; specular: of that of lamps in a
+    highlight, which is the smaller the higher the exponent `shininess` is, 0 for none; emissive:
+    what it sends itself; texture: an image file that multiplies all but the highlight, '' for
+    none; scale: how large its image is, 1 for all of the texture coordinates; is_cutout: whether
+    the texture is only seen where it is opaque.
     """
 
-    color: Color = GREY
+    color: Color = (1.0, 1.0, 1.0, 1.0)
     texture: str = ''
     scale: Tuple[float, float] = (1.0, 1.0)
     is_cutout: bool = False
+    ambient: Optional[Rgb] = None
+    specular: Rgb = (0.0, 0.0, 0.0)
+    shininess: float = 0.0
+    emissive: Rgb = (0.0, 0.0, 0.0)
+
+    def faded(self, opacity: float) -> 'Material':
+        """Return the material of which a share of its opacity, 0 to 1, is left."""
+        if self == WHITE:       # which Ogre draws twice, one over the other
+            opacity = 1 - (1 - opacity) ** 2
+        red, green, blue, own = self.color
+        return self._replace(color=(red, green, blue, own * opacity))
+
+
+# of what has no material: Gazebo/White
+WHITE = Material(specular=(0.1, 0.1, 0.1), shininess=128.0)
 
 
 class Inertia(NamedTuple):
@@ -123,7 +144,7 @@ class Solid(NamedTuple):
 class Look(NamedTuple):
     """A shape that is seen, at a pose in its link.
 
-    material: None is that of the mesh file, else grey; prefers_file: whether `material` is only
+    material: None is that of the mesh file, else WHITE; prefers_file: whether `material` is only
     used for what has none in the mesh file; opacity: by which that of a mesh file is multiplied.
     """
 
@@ -134,13 +155,57 @@ class Look(NamedTuple):
     opacity: float = 1.0
 
 
+class Light(NamedTuple):
+    """A lamp, or the sun.
+
+    kind: DIRECTIONAL, POINT or SPOT; pose: in the world, or in its link; direction (3,): in which
+    it shines, in its frame; reach: m; attenuation: what the light is divided by, constant, for
+    each m and for each m2, but for a DIRECTIONAL; cone: of a SPOT, the angles across which it is
+    bright and beyond which it is dark, and the exponent between them.
+    """
+
+    kind: str
+    pose: Transform = IDENTITY
+    diffuse: Rgb = (1.0, 1.0, 1.0)
+    specular: Rgb = (0.1, 0.1, 0.1)
+    direction: Tuple[float, float, float] = (0.0, 0.0, -1.0)
+    reach: float = 10.0
+    attenuation: Tuple[float, float, float] = (1.0, 1.0, 0.0)
+    cone: Tuple[float, float, float] = (0.0, 0.0, 0.0)
+
+
+# of Gazebo's model://sun
+SUN = Light(DIRECTIONAL, diffuse=(0.8, 0.8, 0.8), specular=(0.2, 0.2, 0.2),
+            direction=(-0.5, 0.1, -0.9))
+
+
+class Fog(NamedTuple):
+    """Fog. kind: LINEAR, from `start` to `end` in m, EXP or EXP2, by the density for each m."""
+
+    kind: str
+    color: Rgb = (1.0, 1.0, 1.0)
+    start: float = 1.0
+    end: float = 100.0
+    density: float = 1.0
+
+
+class Surroundings(NamedTuple):
+    """What is around a world: ambient: the light that comes from everywhere."""
+
+    ambient: Rgb = (0.4, 0.4, 0.4)
+    background: Rgb = (0.7, 0.7, 0.7)
+    has_sky: bool = False
+    fog: Optional[Fog] = None
+
+
 class Link(NamedTuple):
     """A rigid part.
 
     inertia: in its frame, None if the file gives none; contact: the numbers of PyBullet's
     <contact> in a URDF, by name. has_gravity: None if the file does not say it, which is yes.
     decay: the share of its velocity and of its angular velocity that it loses in each step.
-    space: links of a model meet where their spaces differ, and no joint is between them.
+    space: links of a model meet where their spaces differ, and no joint is between them. lights:
+    at poses in the link.
     """
 
     name: str
@@ -151,6 +216,7 @@ class Link(NamedTuple):
     has_gravity: Optional[bool] = None
     decay: Tuple[float, float] = (0.0, 0.0)
     space: str = ''
+    lights: Tuple[Light, ...] = ()
 
     @property
     def coefficient(self) -> float:
@@ -300,22 +366,15 @@ class Visual(NamedTuple):
     opacity: float = 1.0
 
 
-class Light(NamedTuple):
-    """How a scene is lit.
-
-    sun (3,): the direction to the sun; background: the color (0 to 1) of the sky at the horizon;
-    floor: whether there is a floor at z 0; zenith: the color straight above, None for the same.
-    """
-
-    sun: Tuple[float, float, float]
-    background: Tuple[float, float, float]
-    floor: bool = True
-    zenith: Optional[Tuple[float, float, float]] = None
-
-
 class VisualScene(NamedTuple):
-    """All visuals and the light; moving: whether the part of each number can move."""
+    """What there is to draw.
+
+    moving: whether the part of each number can move; lights: each with the number of its part, -1
+    for the world; floor: whether there is a floor at z 0.
+    """
 
     visuals: Tuple[Visual, ...]
     moving: Tuple[bool, ...]
-    light: Light
+    lights: Tuple[Tuple[int, Light], ...] = ()
+    surroundings: Surroundings = Surroundings()
+    floor: bool = False

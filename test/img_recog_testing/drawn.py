@@ -3,13 +3,14 @@ import math
 
 import numpy as np
 
-from img_recog.model import Light, Material, Visual, VisualScene
+from img_recog.model import DIRECTIONAL, Light, Material, Surroundings, Visual, VisualScene
 from img_recog.rendering.camera import Camera
 from img_recog.rendering.opengl import Renderer
 
 RED, GREEN, BLUE = ((1.0, 0.0, 0.0, 1.0), (0.0, 1.0, 0.0, 1.0), (0.0, 0.0, 1.0, 1.0))
 ABOVE = (0.0, 0.0, 1.0)
 BACKGROUND = (0.5, 0.25, 0.75)
+AROUND = Surroundings(ambient=(0.7, 0.7, 0.7), background=BACKGROUND)
 CAMERA = Camera(320, 240, math.radians(60))
 HERE = np.array([[0.0, 0, 0, 0, 0, 0, 1]])      # one part, at the origin
 
@@ -31,8 +32,15 @@ def visual(shape, pose, color, part=0, texture=''):
     return Visual(part, shape, pose, Material(color, texture))
 
 
-def scene(*visuals, sun=ABOVE, floor=False, moving=(False,)):
-    return VisualScene(tuple(visuals), moving, Light(sun, BACKGROUND, floor))
+def sun_from(direction, strength=0.3):
+    """Return a sun without highlights; what faces it has its full color, with that of AROUND."""
+    return Light(DIRECTIONAL, diffuse=(strength,) * 3, specular=(0.0, 0.0, 0.0),
+                 direction=tuple(-axis for axis in direction))
+
+
+def scene(*visuals, sun=ABOVE, floor=False, moving=(False,), lights=None, around=AROUND):
+    lights = [(-1, sun_from(sun))] if lights is None else lights
+    return VisualScene(tuple(visuals), moving, tuple(lights), around, floor)
 
 
 def draw(*visuals, camera=CAMERA, pose=np.eye(4), poses=HERE, **more):
@@ -51,3 +59,10 @@ def centroid(image):
     share[(image == 0).all(axis=2)] = 0         # black, beside the image
     rows, columns = np.mgrid[:image.shape[0], :image.shape[1]]
     return (share * columns).sum() / share.sum(), (share * rows).sum() / share.sum()
+
+
+def sky_color(height):
+    """Return the color (..., 3) of the sky in a direction, a unit vector with a z of `height`."""
+    share = (1 - np.clip(height, 0, 1)[..., np.newaxis]) ** 1.5
+    return 255 * (np.array([0.267, 0.318, 0.537]) * (1 - share)
+                  + np.array([0.725, 0.769, 0.894]) * share)

@@ -17,7 +17,7 @@ class FakeRenderer:
     """
 
     def load(self, scene, poses):
-        self.images, self._blue = 0, round(255 * scene.light.background[2])
+        self.images, self._blue = 0, round(255 * scene.surroundings.background[2])
         return ['no mesh of {}'.format(part) for part in range(1, len(scene.moving))]
 
     def draw(self, camera, pose, poses, ceiling):

@@ -8,7 +8,7 @@ from PIL import Image
 
 from img_recog import mesh_file, textures
 from img_recog.mesh_file import MeshError
-from img_recog.model import GREY, Submesh
+from img_recog.model import WHITE, Submesh
 from img_recog.textures import TextureError
 from img_recog_testing import bombs
 
@@ -60,13 +60,14 @@ def refusal(path):
 def test_collada_in_its_unit_and_without_its_up_axis(tmp_path):
     part, = mesh_file.read(put(tmp_path, 'a.dae', COLLADA))
     assert part.positions.reshape(-1, 3).max(axis=0) == pytest.approx([2.54, 0, 2.54])
-    assert part.color == pytest.approx((0.2, 0.4, 0.6, 1.0), abs=0.005) and part.has_material
+    assert part.material.color == pytest.approx((0.2, 0.4, 0.6, 1.0), abs=0.005)
+    assert part.has_material
     assert np.abs(part.normals[0, 0]) == pytest.approx([0, 1, 0])
 
 
-def test_obj_without_a_material_is_grey(tmp_path):
+def test_obj_without_a_material(tmp_path):
     for part in mesh_file.read(put(tmp_path, 'a.obj', OBJ)):
-        assert part.color == GREY and not part.has_material and part.positions.max() == 1
+        assert part.material == WHITE and not part.has_material and part.positions.max() == 1
 
 
 TEXTURED = ('mtllib a.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 0 1\nusemtl m\n'
@@ -80,7 +81,8 @@ def textured(folder, image):
         image))
     (folder / 'meshes' / 'a.obj').write_text(TEXTURED)
     part, = mesh_file.read(str(folder / 'meshes' / 'a.obj'))
-    assert part.color == (0.2, 0.4, 0.6, 1.0) and part.has_material and part.problem == ''
+    assert part.material.color == (0.2, 0.4, 0.6, 1.0)
+    assert part.has_material and part.problem == ''
     assert part.uvs[0].tolist() == [[0, 0], [1, 0], [0, 1]]
     return part
 
@@ -89,13 +91,13 @@ def test_textures_are_found_where_gazebo_looks_for_them(tmp_path):
     (tmp_path / 'materials' / 'textures').mkdir(parents=True)
     Image.new('RGB', (2, 2), (10, 20, 30)).save(str(tmp_path / 'materials' / 'textures' / 'a.png'))
     part = textured(tmp_path, 'a.png')
-    assert textures.read(part.texture)[0, 0].tolist() == [10, 20, 30]
+    assert textures.read(part.material.texture)[0, 0].tolist() == [10, 20, 30]
 
 
 def test_a_texture_that_is_missing_is_named(tmp_path):
     part = textured(tmp_path, 'a.png')
     with pytest.raises(TextureError) as error:
-        textures.read(part.texture)
+        textures.read(part.material.texture)
     assert str(error.value) == (
         'cannot read the texture {}: No such file or directory; give a PNG or JPEG file'.format(
             tmp_path / 'meshes' / 'a.png'))
@@ -111,7 +113,7 @@ def test_a_texture_that_is_truncated_is_named(tmp_path, suffix, share):
     (tmp_path / 'meshes' / ('a.' + suffix)).write_bytes(content[:int(share * len(content))])
     part = textured(tmp_path, 'a.' + suffix)
     with pytest.raises(TextureError) as error:
-        textures.read(part.texture)
+        textures.read(part.material.texture)
     assert 'cannot read the texture ' in str(error.value) and '\n' not in str(error.value)
 
 
@@ -119,7 +121,7 @@ def test_a_texture_of_too_many_pixels_is_named_and_not_decoded(tmp_path):
     (tmp_path / 'meshes').mkdir()
     (tmp_path / 'meshes' / 'a.png').write_bytes(bombs.png())
     with pytest.raises(TextureError) as error:
-        textures.read(textured(tmp_path, 'a.png').texture)
+        textures.read(textured(tmp_path, 'a.png').material.texture)
     assert '20000x20000 pixels are more than 134217728' in str(error.value)
 
 
@@ -129,16 +131,17 @@ def test_pybullet_gets_the_texture_of_an_obj(tmp_path):
     textured(tmp_path, 'a.png')
     path = mesh_file.write(str(tmp_path / 'meshes' / 'a.obj'), str(tmp_path), materials=True)
     part, = mesh_file.read(path)
-    assert textures.read(part.texture)[0, 0].tolist() == [10, 20, 30]
+    assert textures.read(part.material.texture)[0, 0].tolist() == [10, 20, 30]
     assert part.uvs[0].tolist() == [[0, 0], [1, 0], [0, 1]]
-    assert part.color == pytest.approx((0.2, 0.4, 0.6, 1), abs=1e-6)
+    assert part.material.color == pytest.approx((0.2, 0.4, 0.6, 1), abs=1e-6)
 
 
 def test_pybullet_gets_the_color_of_an_obj_whose_texture_cannot_be_read(tmp_path):
     textured(tmp_path, 'none.png')
     path = mesh_file.write(str(tmp_path / 'meshes' / 'a.obj'), str(tmp_path), materials=True)
     part, = mesh_file.read(path)
-    assert (part.texture, part.color) == ('', pytest.approx((0.2, 0.4, 0.6, 1), abs=1e-6))
+    assert part.material.texture == ''
+    assert part.material.color == pytest.approx((0.2, 0.4, 0.6, 1), abs=1e-6)
     (tmp_path / 'plain').mkdir()
     path = mesh_file.write(str(tmp_path / 'meshes' / 'a.obj'), str(tmp_path / 'plain'))
     part, = mesh_file.read(path)
@@ -152,7 +155,7 @@ def test_pybullet_gets_each_material_of_an_obj(tmp_path):
     assert mesh_file.material_files(path) == [mtl]
     (tmp_path / 'written').mkdir()
     parts = mesh_file.read(mesh_file.write(path, str(tmp_path / 'written'), materials=True))
-    colors = {tuple(np.round(part.color, 6)) for part in parts}
+    colors = {tuple(np.round(part.material.color, 6)) for part in parts}
     assert len(parts) == 3 and {(0.2, 0.4, 0.6, 1), (1, 0, 0.8, 1)} <= colors
 
 

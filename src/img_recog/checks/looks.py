@@ -58,7 +58,7 @@ class _Reader:
         self.meshes |= {visual.shape.path} - {''}
         for part in parts:
             self.problems.update({part.problem: None} if part.problem else {})
-            self._check_texture(part.texture)
+            self._check_texture(part.material.texture)
         self._check_texture('' if visual.material is None else visual.material.texture)
         self.triangles += sum(len(part.positions) for part in parts)
         return np.concatenate([part.positions.reshape(-1, 3) for part in parts])

@@ -28,6 +28,7 @@ class Row(NamedTuple):
 
 
 _CONTACTS = 'contacts are those of PyBullet, which give way less'
+_SHADOWS = 'no shadows are drawn, as in Gazebo without a graphics card'
 _INERTIA = Row('ixx ixy ixz iyy iyz izz')
 _NOISE = Row('type mean stddev bias_mean bias_stddev rate accel', no_effect='precision',
              not_simulated='dynamic_bias_stddev=0 dynamic_bias_correlation_time=0')
@@ -70,17 +71,22 @@ SENSORS: Dict[str, Row] = {
 
 SDF: Dict[str, Row] = {
     **SENSORS,
-    'sdf': Row('world model', not_simulated='actor light'),
-    'world': Row('model include population road gravity physics state gui', 'scene',
+    'sdf': Row('world model', 'light', not_simulated='actor'),
+    'world': Row('model include population road gravity physics state gui', 'scene light',
                  'audio spherical_coordinates magnetic_field atmosphere wind',
-                 'light actor joint frame plugin',
+                 'actor joint frame plugin',
                  why='nothing here hears, measures or feels them'),
     'physics': Row('gravity', no_effect='real_time_factor real_time_update_rate max_contacts ode '
                    'bullet simbody dart magnetic_field provide_feedback',
                    not_simulated='max_step_size=0.001', why='the physics is PyBullet'),
-    'scene': Row(no_effect='grid origin_visual', not_simulated='ambient=0.4,0.4,0.4,1 '
-                 'background=0.7,0.7,0.7,1 shadows=1 fog sky',
-                 why='Gazebo draws them for its user'),
+    'scene': Row('', 'ambient background fog sky', 'grid origin_visual shadows', why=_SHADOWS),
+    'fog': Row('', 'color type start end density'),
+    'sky': Row(no_effect='clouds sunrise sunset', not_simulated='time=10 cubemap_uri',
+               why='the sky is that of the morning'),
+    'light': Row('', 'pose diffuse specular attenuation direction spot', 'cast_shadows visualize',
+                 'intensity=1 light_on=1', why=_SHADOWS),
+    'attenuation': Row('', 'range constant linear quadratic'),
+    'spot': Row('', 'inner_angle outer_angle falloff'),
     'gui': Row('camera', no_effect='plugin', why='only its camera is used, for the view'),
     'gui/camera': Row('pose', no_effect='view_controller track_visual projection_type name'),
     'state': Row('model', no_effect='sim_time wall_time real_time iterations',
@@ -88,15 +94,15 @@ SDF: Dict[str, Row] = {
     'state/model': Row('pose', no_effect='scale link', not_simulated='joint model',
                        why='of a link, the pose in its model is that of its description'),
     'model': Row('static pose link joint include model frame sensor self_collide',
-                 no_effect='allow_auto_disable enable_wind', not_simulated='gripper plugin light',
-                 why='nothing falls asleep here, and there is no wind'),
+                 no_effect='allow_auto_disable enable_wind light',
+                 not_simulated='gripper plugin', why='nothing falls asleep here, there is no '
+                 'wind, and Gazebo draws the lights of links alone'),
     'include': Row('uri name pose static', not_simulated='placement_frame plugin frame joint'),
     'model/frame': Row('pose'), 'world/frame': Row('pose'),
     'link': Row('pose inertial collision visual sensor gravity kinematic self_collide '
-                'velocity_decay',
-                no_effect='must_be_base_link enable_wind',
-                not_simulated='projector audio_source audio_sink battery light '
-                'particle_emitter', why='there is no wind'),
+                'velocity_decay', 'light', 'must_be_base_link enable_wind',
+                'projector audio_source audio_sink battery particle_emitter',
+                why='there is no wind'),
     'velocity_decay': Row('linear angular'),
     'inertial': Row('mass inertia pose', no_effect='density auto_inertia_params'),
     'inertia': _INERTIA,
@@ -111,10 +117,11 @@ SDF: Dict[str, Row] = {
     'surface/friction': Row('ode', no_effect='bullet', not_simulated='torsional',
                             why='those of ode count, as in Gazebo'),
     'friction/ode': Row('mu', not_simulated='mu2=<mu> fdir1=0,0,0 slip1=0 slip2=0'),
-    'visual': Row('', 'geometry pose material transparency', 'meta laser_retro',
-                  'cast_shadows=1 plugin visibility_flags', why='lasers see solids'),
-    'material': Row('', 'script ambient diffuse', 'specular emissive=0,0,0,1 lighting=1 '
-                    'render_order double_sided', 'shader pbr', why='lights are simpler here'),
+    'visual': Row('', 'geometry pose material transparency',
+                  'meta laser_retro cast_shadows',
+                  'plugin visibility_flags', why='lasers see solids; ' + _SHADOWS),
+    'material': Row('', 'script ambient diffuse specular emissive lighting', 'render_order '
+                    'double_sided shininess', 'shader pbr', why='Gazebo 11 does not use them'),
     'script': Row('', 'name uri'),
     'geometry': Row('box cylinder sphere plane mesh polyline heightmap', no_effect='empty',
                     not_simulated='image capsule ellipsoid'),
@@ -144,10 +151,10 @@ SDF: Dict[str, Row] = {
 
 # in a <gazebo> tag with a reference, which Gazebo copies into the link or joint
 _TAGS = Row('sensor visual collision plugin mu1 material turnGravityOff selfCollide self_collide '
-            'dampingFactor springReference springStiffness', '', 'kp kd maxVel minDepth '
+            'dampingFactor springReference springStiffness', 'light', 'kp kd maxVel minDepth '
             'maxContacts stopCfm stopErp fudgeFactor provideFeedback implicitSpringDamper '
             'cfmDamping disableFixedJointLumping preserveFixedJoint genTexCoord',
-            'static=0 gravity=1 laserRetro=0 velocity_decay=0 fdir1 mu2=<mu1> kinematic=0 light',
+            'static=0 gravity=1 laserRetro=0 velocity_decay=0 fdir1 mu2=<mu1> kinematic=0',
             why=_CONTACTS)
 
 URDF: Dict[str, Row] = {
@@ -171,7 +178,7 @@ URDF: Dict[str, Row] = {
     'robot/gazebo': _TAGS,
     'gazebo/visual': SDF['visual'], 'gazebo/collision': SDF['collision'],
     **{key: row for key, row in SDF.items() if key.split('/')[0] in (
-        'surface', 'bounce', 'friction', 'script')},
+        'surface', 'bounce', 'friction', 'script', 'light', 'attenuation', 'spot')},
     'gazebo/visual/material': SDF['material'],
 }
 # elements whose text is true, false, 1 or 0

@@ -12,7 +12,7 @@ from typing import Dict, List, NamedTuple, Set, Tuple
 from img_recog.errors import SimulationError
 from img_recog.formats import inertias
 from img_recog.model import (CONTINUOUS, FIXED, NO_INERTIA, PRISMATIC, REVOLUTE,
-                             Frame, Inertia, Joint, Link, Look, Model, Solid)
+                             Frame, Inertia, Joint, Light, Link, Look, Model, Solid)
 from img_recog.rotations import IDENTITY
 
 _KINDS = (CONTINUOUS, FIXED, PRISMATIC, REVOLUTE)
@@ -150,6 +150,7 @@ class _Lump:
     def __init__(self, model: Model, tree: _Tree, frames: Dict[str, Frame]):
         self.watched: Dict[str, List[str]] = {name: [] for name in model.surfaces}
         self._looks: Dict[str, List[Look]] = {frame.link: [] for frame in frames.values()}
+        self._lights: Dict[str, List[Light]] = {frame.link: [] for frame in frames.values()}
         self._solids: Dict[str, List[Solid]] = {}
         self._carriers: Dict[str, str] = {}         # of the links that are added
         self._parts: Dict[str, List[Link]] = {}     # of the lumped links
@@ -158,6 +159,8 @@ class _Lump:
             self._parts.setdefault(carrier, []).append(tree.links[name])
             self._looks[carrier] += [look._replace(pose=pose @ look.pose)
                                      for look in tree.links[name].looks]
+            self._lights[carrier] += [light._replace(pose=pose @ light.pose)
+                                      for light in tree.links[name].lights]
             for solid in tree.links[name].solids:
                 key = (carrier, solid.coefficient, solid.bitmask,
                        name if name in self.watched else '')
@@ -185,7 +188,8 @@ class _Lump:
                 decay=part.decay if any(part.decay) else link.decay,
                 space=part.space or link.space)
         return link._replace(inertia=inertia, solids=tuple(self._solids.get(link.name, ())),
-                             looks=tuple(self._looks[link.name]))
+                             looks=tuple(self._looks[link.name]),
+                             lights=tuple(self._lights[link.name]))
 
     def added_links(self) -> Tuple[Link, ...]:
         """Return the links without mass."""

@@ -4,7 +4,7 @@ import re
 from typing import Dict, Iterator, List, NamedTuple, Optional, Sequence, Tuple
 
 from img_recog.files import plain
-from img_recog.model import GREY, Material
+from img_recog.model import Material, Rgb
 
 _MAX_BYTES = 1 << 20
 _MAX_PARENTS = 10
@@ -13,6 +13,10 @@ _HEAD = re.compile(
     r'^[ \t]*(?:abstract\s+)?material\s+("[^"]+"|[^\s{:]+)\s*(?::\s*([^\s{]+)\s*)?{',
     re.MULTILINE)
 _CUTOUT = r'\balpha_rejection\s+(?!always_pass)|\bscene_blend\s+alpha_blend'
+# what a shader gets as images besides colors, by the names that are usual for them
+_NO_COLORS = re.compile(r'normal|bump|height|cube|environment|reflect|specular',
+                        re.IGNORECASE)
+_WHITE = (1.0, 1.0, 1.0)
 _NUMBER = r'[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?'
 _NUMBERS = r'\b{}((?:\s+' + _NUMBER + r'){{{}}}(?:\s+' + _NUMBER + r')?)(?=[\s}}])'
 
@@ -63,24 +67,42 @@ def _materials(text: str) -> Iterator[Tuple[str, _Script]]:
 
 
 def _material(blocks: Sequence[str], folders: Sequence[str]) -> Tuple[Material, str]:
-    """Return what a script states, blocks: its own and those of its parents.
-
-    A color is the diffuse one, else the ambient one, and the emissive one is added.
-    """
-    texture = _first(r'\btexture\s+(?:"([^"\n]+)"|(\S+))', blocks)
-    default: Sequence[float] = (1.0, 1.0, 1.0) if texture else GREY
-    *rgb, opacity = [*(_numbers('diffuse', 3, blocks) or _numbers('ambient', 3, blocks)
-                       or default), 1.0][:4]
-    glow = _numbers('emissive', 3, blocks) or (0.0, 0.0, 0.0)
-    red, green, blue = (min(one + other, 1.0) for one, other in zip(rgb, glow))
+    """Return what a script states, blocks: its own and those of its parents."""
+    diffuse, ambient, emissive = (_numbers(key, 3, blocks)
+                                  for key in ('diffuse', 'ambient', 'emissive'))
+    red, green, blue, opacity = [*(diffuse or _WHITE), 1.0][:4]
+    if _first(r'\blighting\s+off\b', blocks):      # it is as it is
+        red = green = blue = 0.0
+        ambient, emissive = (0.0, 0.0, 0.0), _WHITE
+    # the last of three to five numbers is the exponent
+    *specular, shininess = _numbers('specular', 4, blocks) or (0.0, 0.0, 0.0, 0.0)
+    texture = next((found for block in blocks for found in map(_color_texture, _units(block))
+                    if found), '')
     width, height = [*(_numbers('scale', 1, blocks) if texture else ()), 1.0, 1.0][:2]
-    material = Material((red, green, blue, opacity), scale=(width or 1.0, height or 1.0),
-                        is_cutout=_first(_CUTOUT, blocks) is not None)
-    if texture is None:
+    material = Material((red, green, blue, opacity), '', (width or 1.0, height or 1.0),
+                        _first(_CUTOUT, blocks) is not None, _rgb(ambient or _WHITE),
+                        _rgb(specular), shininess, _rgb(emissive or (0.0, 0.0, 0.0)))
+    if not texture:
         return material, ''
-    name = texture.group(1) or texture.group(2)
-    path = _texture(name, folders)
-    return material._replace(texture=path), '' if path else 'texture ' + name
+    path = _texture(texture, folders)
+    return material._replace(texture=path), '' if path else 'texture ' + texture
+
+
+def _rgb(values: Sequence[float]) -> Rgb:
+    red, green, blue = values[:3]
+    return red, green, blue
+
+
+def _units(block: str) -> Iterator[str]:
+    """Yield the name and the content of each texture_unit."""
+    for unit in re.finditer(r'\btexture_unit\b([^{]*{[^}]*)', block):
+        yield unit.group(1)
+
+
+def _color_texture(unit: str) -> str:
+    """Return the image of a texture_unit, '' if it has none or one that is not of colors."""
+    found = re.search(r'\btexture\s+(?:"([^"\n]+)"|(\S+))', unit)
+    return '' if found is None or _NO_COLORS.search(unit) else found.group(1) or found.group(2)
 
 
 def _first(pattern: str, blocks: Sequence[str]) -> 'Optional[re.Match[str]]':

@@ -1,40 +1,47 @@
-"""The colors and textures of SDF visuals: Gazebo's named materials, and Ogre's scripts."""
+"""The materials of SDF visuals: colors, Gazebo's named materials, and Ogre's scripts."""
 import xml.etree.ElementTree as ElementTree
 from typing import Optional, Sequence, Tuple
+
+import numpy as np
 
 from img_recog.files import FindFile
 from img_recog.formats import gazebo_materials, material_scripts
 from img_recog.formats.numbers import read_number, read_numbers
-from img_recog.formats.texts import name_of
-from img_recog.model import Color, Material
+from img_recog.formats.texts import name_of, text_of
+from img_recog.model import Color, Material, Rgb
 
-_AMBIENT_LIGHT = 0.4                    # of all light, in Gazebo's usual <scene>
 _DEFAULT = '__default__'                # SDF's own word for no script
 _SCRIPTS = 'file://media/materials/scripts'     # where Gazebo looks for what names no file
+_DARK: Rgb = (0.0, 0.0, 0.0)
 
 
 def of_sdf(visual: ElementTree.Element, find: FindFile) -> Tuple[Optional[Material], str]:
     """Return the material of an SDF <visual>, and what of it was not found, or ''.
 
     None if it has neither a color nor a script that is found: then that of a mesh file counts,
-    like in Gazebo. Colors count in addition to a script: they replace its colors.
+    like in Gazebo. Each color replaces that of a script.
     find: returns the path of the file or folder at a URI.
     """
     material, missing = _scripted(visual, find)
-    ambient, diffuse = _given_color(visual, 'ambient'), _given_color(visual, 'diffuse')
-    if material is not None:
-        is_plain = not material.texture
-        if diffuse is not None:
-            material = material._replace(color=diffuse if is_plain else _product(
-                material.color, diffuse))
-        elif ambient is not None and is_plain:
-            material = material._replace(color=_lit(ambient, material.color))
-    elif ambient is not None or diffuse is not None:
-        material = Material(diffuse or ambient or Material().color)
-    if material is not None:
-        material = material._replace(
-            color=(*material.color[:3], material.color[3] * opacity(visual)))
-    return material, missing
+    colors = {tag: color_of(visual, 'material/' + tag)
+              for tag in ('ambient', 'diffuse', 'specular', 'emissive')}
+    if any(color is not None for color in colors.values()):
+        material = _colored(material or Material(), **colors)
+    if text_of(visual, 'material/lighting').lower() in ('0', 'false'):      # it is as it is
+        material = material or Material()
+        material = material._replace(color=(*_DARK, material.color[3]), ambient=_DARK,
+                                     specular=_DARK, emissive=(1.0, 1.0, 1.0))
+    return material and material.faded(opacity(visual)), missing
+
+
+def _colored(material: Material, ambient: Optional[Color], diffuse: Optional[Color],
+             specular: Optional[Color], emissive: Optional[Color]) -> Material:
+    """Return a material with other colors; None: its own."""
+    return material._replace(
+        color=diffuse or material.color,
+        ambient=(ambient or material.ambient or material.color)[:3],
+        specular=(specular or material.specular)[:3],
+        emissive=(emissive or material.emissive)[:3])
 
 
 def opacity(visual: ElementTree.Element) -> float:
@@ -44,20 +51,20 @@ def opacity(visual: ElementTree.Element) -> float:
     return min(max(1.0 - transparency, 0.0), 1.0)
 
 
-def _given_color(visual: ElementTree.Element, tag: str) -> Optional[Color]:
-    text = visual.findtext('material/' + tag)
-    return None if text is None else _color(read_numbers(
-        '<{}> of visual {}'.format(tag, name_of(visual)), _four(text), 4).tolist())
+def color_of(element: ElementTree.Element, path: str) -> Optional[Color]:
+    """Return a color in an element, None without; an opacity may be omitted.
 
-
-def _product(first: Color, second: Color) -> Color:
-    return _color([one * other for one, other in zip(first, second)])
-
-
-def _lit(ambient: Color, diffuse: Color) -> Color:
-    """Return the color that both colors of a material give together."""
-    return _color([_AMBIENT_LIGHT * one + (1 - _AMBIENT_LIGHT) * other
-                   for one, other in zip(ambient[:3], diffuse[:3])] + [diffuse[3]])
+    Like in Gazebo, what is more than 1 counts as of 255.
+    """
+    text = element.findtext(path)
+    if text is None:
+        return None
+    words = text.split()
+    values = read_numbers(
+        '<{}> of {} {}'.format(path.split('/')[-1], element.tag, name_of(element)),
+        ' '.join(words + ['1'] * (len(words) == 3)), 4)
+    red, green, blue, alpha = np.where(values > 1, values / 255, values).clip(0, 1).tolist()
+    return red, green, blue, alpha
 
 
 def of_script(name: str, uris: Sequence[str], find: FindFile) -> Tuple[Optional[Material], str]:
@@ -80,13 +87,3 @@ def _scripted(visual: ElementTree.Element, find: FindFile) -> Tuple[Optional[Mat
         return None, ''
     return of_script((script.findtext('name') or script.text or '').strip(),
                      [uri.text.strip() for uri in script.findall('uri') if uri.text], find)
-
-
-def _four(text: str) -> str:
-    """Return the numbers of a color with an opacity, which SDF may omit."""
-    return text + ' 1' if len(text.split()) == 3 else text
-
-
-def _color(values: Sequence[float]) -> Color:
-    red, green, blue, alpha = [*values, 1.0][:4]
-    return float(red), float(green), float(blue), float(alpha)

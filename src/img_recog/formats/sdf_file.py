@@ -3,21 +3,21 @@ import copy
 import os
 import re
 import xml.etree.ElementTree as ElementTree
-from typing import Callable, List, NamedTuple, Optional, Sequence, Set, Tuple
+from typing import Callable, Dict, List, NamedTuple, Optional, Sequence, Set, Tuple
 from urllib.parse import unquote
 
 import numpy as np
 
 from img_recog.errors import SimulationError
 from img_recog.files import FindFile, plain
-from img_recog.formats import sdf_frames, sdf_models, sdf_populations, sdf_roads
+from img_recog.formats import lights, sdf_frames, sdf_models, sdf_populations, sdf_roads
 from img_recog.formats.audit import NOT_USED
 from img_recog.formats.numbers import read_numbers
 from img_recog.formats.problems import NOT_DOWNLOADED, Problems
 from img_recog.formats.sdf_joints import Version
 from img_recog.formats.texts import name_of, text_of
 from img_recog.markup import MarkupError, parse_xml, read_bytes
-from img_recog.model import Tree
+from img_recog.model import SUN, Light, Surroundings, Tree
 from img_recog.rotations import Transform
 
 _MODEL_URI = 'model://'
@@ -48,13 +48,15 @@ class Contents(NamedTuple):
 
     trees: of all models; gravity (3,): m/s2; has_floor: False for a world that does not include
     Gazebo's ground_plane as it is; camera: the pose of Gazebo's user camera in the world, if it is
-    given.
+    given; lights: those of no link.
     """
 
     trees: Tuple[Tree, ...]
     gravity: Optional[np.ndarray]
     has_floor: bool
     camera: Optional[Transform]
+    lights: Tuple[Light, ...]
+    surroundings: Surroundings
 
 
 def read(root: ElementTree.Element, path: str, find: FindFile, problems: Problems) -> Contents:
@@ -66,7 +68,7 @@ def read(root: ElementTree.Element, path: str, find: FindFile, problems: Problem
     world = root.find('world')
     reader = _Reader(find, problems, has_floor=world is None)
     reader.read(root if world is None else world, _version(root), path, (os.path.abspath(path),))
-    gravity, camera = None, None
+    gravity, camera, surroundings = None, None, Surroundings()
     if world is not None:
         with problems.left_out():
             text = world.findtext('gravity')
@@ -76,7 +78,12 @@ def read(root: ElementTree.Element, path: str, find: FindFile, problems: Problem
             element = world.find('gui/camera')
             if element is not None and element.find('pose') is not None:
                 camera = sdf_frames.pose_of(element)
-    return Contents(tuple(reader.trees), gravity, reader.has_floor, camera)
+        with problems.left_out():
+            scene = world.find('scene')
+            surroundings = surroundings if scene is None else lights.surroundings(scene)
+    # a model alone stands in Gazebo's empty world
+    return Contents(tuple(reader.trees), gravity, reader.has_floor, camera,
+                    (SUN,) if world is None else tuple(reader.lights.values()), surroundings)
 
 
 class _Reader:
@@ -85,6 +92,7 @@ class _Reader:
     def __init__(self, find: FindFile, problems: Problems, has_floor: bool):
         self._find, self._problems = find, problems
         self.trees: List[Tree] = []
+        self.lights: Dict[str, Light] = {}      # by name
         self._names: Set[str] = set()
         self._audited: Set[str] = set()         # included files: thousands may be the same one
         self.has_floor = has_floor
@@ -104,6 +112,8 @@ class _Reader:
                     model = copy.deepcopy(element)
                     self._expand(model, path, stack)
                     self._add(model, version, path, state)
+                elif element.tag == 'light':
+                    self._add_light(element)
                 elif element.tag == 'population':
                     for model in sdf_populations.models(element):
                         self._expand(model, path, stack)
@@ -127,6 +137,11 @@ class _Reader:
             return
         self.trees += sdf_models.trees(model, version, self._finder(path), self._problems)
 
+    def _add_light(self, element: ElementTree.Element) -> None:
+        # of two with one name, Gazebo ends
+        self.lights.setdefault(name_of(element), lights.light(element,
+                                                              sdf_frames.pose_of(element)))
+
     def _included(self, include: ElementTree.Element, path: str, stack: Sequence[str]
                   ) -> Optional[Tuple[ElementTree.Element, Version, str]]:
         """Return the model of an <include>, its version of SDF and its file; None for none.
@@ -136,8 +151,12 @@ class _Reader:
         uri = text_of(include, 'uri')
         built_in = _BUILT_IN.fullmatch(unquote(uri))
         if built_in:
-            return None if built_in.group(1).lower() == _SUN else (
-                _named_and_placed(parse_xml(_GROUND_PLANE_XML), include), (1, 6), _GROUND_PLANE)
+            if built_in.group(1).lower() != _SUN:
+                return (_changed(parse_xml(_GROUND_PLANE_XML), include, ('pose', 'static')),
+                        (1, 6), _GROUND_PLANE)
+            self.lights.setdefault(text_of(include, 'name') or _SUN,
+                                   SUN._replace(pose=sdf_frames.pose_of(include)))
+            return None
         if uri.startswith(_URLS):
             raise SimulationError('{} ({})'.format(uri, NOT_DOWNLOADED))
         found = self._finder(path)(uri)
@@ -151,11 +170,13 @@ class _Reader:
             self._problems.audit(root)
         model = root.find('model')
         if model is None:
-            if root.find('light') is None:
+            light = root.find('light')
+            if light is None:
                 raise SimulationError('{}, which it includes, has no <model>'.format(file))
+            self._add_light(_changed(light, include, ('pose',)))
             return None
         self._expand(model, file, (*stack, file))
-        return _named_and_placed(model, include), _version(root), file
+        return _changed(model, include, ('pose', 'static')), _version(root), file
 
     def _check_include(self, file: str, stack: Sequence[str]) -> None:
         """Raise SimulationError unless a file can be included; stack: the files it stands in."""
@@ -203,17 +224,17 @@ class _Reader:
         return find
 
 
-def _named_and_placed(model: ElementTree.Element,
-                      include: ElementTree.Element) -> ElementTree.Element:
-    """Give a model the name, the pose and the <static> of the <include> of it."""
-    for tag in ('pose', 'static'):
+def _changed(element: ElementTree.Element, include: ElementTree.Element,
+             tags: Sequence[str]) -> ElementTree.Element:
+    """Return an element with the name and the children of some tags that an <include> gives."""
+    for tag in tags:
         given = include.find(tag)
         if given is not None:
-            for old in model.findall(tag):
-                model.remove(old)
-            model.append(given)
-    model.set('name', text_of(include, 'name') or name_of(model))
-    return model
+            for old in element.findall(tag):
+                element.remove(old)
+            element.append(given)
+    element.set('name', text_of(include, 'name') or name_of(element))
+    return element
 
 
 def _is_in_place(model: ElementTree.Element) -> bool:

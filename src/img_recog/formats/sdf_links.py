@@ -12,8 +12,8 @@ from img_recog.formats.numbers import read_direction, read_lengths, read_number
 from img_recog.formats.sdf_frames import pose_of
 from img_recog.formats.texts import is_true, name_of, text_of
 from img_recog.mesh_file import READABLE
-from img_recog.model import (ALL_BITS, BOX, CYLINDER, GREY, HEIGHTMAP, MESH, PLANE, SPHERE,
-                             Inertia, Look, Material, Shape, Solid, Submesh)
+from img_recog.model import (ALL_BITS, BOX, CYLINDER, HEIGHTMAP, MESH, PLANE, SPHERE, WHITE,
+                             Inertia, Look, Shape, Solid, Submesh)
 from img_recog.rotations import IDENTITY, Transform
 
 _Geometry = Tuple[Shape, Transform]
@@ -96,7 +96,7 @@ def look(visual: ElementTree.Element, pose: Transform, find: FindFile) -> Tuple[
         shape = Shape(MESH, (1.0, 1.0, 1.0), heightmaps.write_mesh(shape))
     if material is None and shape.kind == MESH:         # the file has materials
         return Look(shape, pose @ offset, opacity=opacity), missing
-    return Look(shape, pose @ offset, material or Material((*GREY[:3], opacity))), missing
+    return Look(shape, pose @ offset, material or WHITE.faded(opacity)), missing
 
 
 def _geometry(shape: ElementTree.Element, find: FindFile) -> _Geometry:

@@ -6,14 +6,15 @@ from typing import Dict, List, Optional, Tuple
 import numpy as np
 
 from img_recog.files import FindFile
-from img_recog.formats import sdf_links
+from img_recog.formats import lights, sdf_links
 from img_recog.formats.elements import NOT_SIMULATED
 from img_recog.formats.problems import Problems
 from img_recog.formats.sdf_frames import WORLD, Scope, pose_of
 from img_recog.formats.sdf_joints import NO_LIMIT, Axis, Joints, SdfJoint, SdfLink, Version
 from img_recog.formats.texts import is_true, name_of
 from img_recog.model import (CONTINUOUS, FIXED, HEIGHTMAP, NO_INERTIA, PLANE, PRISMATIC, REVOLUTE,
-                             Frame, Inertia, Joint, Limits, Link, Look, Model, Solid, Tag, Tree)
+                             Frame, Inertia, Joint, Light, Limits, Link, Look, Model, Solid, Tag,
+                             Tree)
 from img_recog.rotations import IDENTITY, Transform
 
 
@@ -148,6 +149,10 @@ class _Builder:
                 looks.append(look)
                 if missing:
                     self._problems.add_look(missing)
+        lamps: List[Light] = []
+        for light in link.element.findall('light'):
+            with self._problems.left_out():
+                lamps.append(lights.light(light, offset @ scope.pose(light)))
         solids: List[Solid] = []
         for collision in link.element.findall('collision'):
             with self._problems.left_out():
@@ -165,7 +170,7 @@ class _Builder:
                       if look.shape.kind != PLANE]
         self._links.append(Link(link.name, inertia, tuple(solids), tuple(looks),
                                 has_gravity=is_true(link.element.findtext('gravity', '1')),
-                                decay=decay, space=link.space))
+                                decay=decay, space=link.space, lights=tuple(lamps)))
 
     def _add_ground(self, link: SdfLink, collision: ElementTree.Element, solid: Solid) -> None:
         """Add the tree of a heightmap or a plane that carries; solid: at its pose in the link."""

@@ -5,9 +5,10 @@ from typing import Any, Dict, List, Optional, Tuple
 
 from img_recog.errors import SimulationError
 from img_recog.files import FindFile
-from img_recog.formats import inertias, materials
+from img_recog.formats import inertias, lights, materials
 from img_recog.formats.numbers import (read_coefficient, read_lengths, read_number,
                                        read_numbers)
+from img_recog.formats.sdf_frames import pose_of
 from img_recog.formats.sdf_links import bitmask
 from img_recog.formats.texts import is_true, name_of, text_of
 from img_recog.mesh_file import READABLE
@@ -83,8 +84,10 @@ class Links:
                   for element, shape in kept['collision']]
         if lost['collision'] and not solids:
             solids = [Solid(look.shape, look.pose, friction) for look in looks]
+        lamps = [lights.light(light, pose_of(light)) for tag in self._tags
+                 if tag.get('reference') == name for light in tag.findall('light')]
         return Link(name, _inertia(link), tuple(solids), tuple(looks), _contact(link),
-                    **self._motion(name))
+                    lights=tuple(lamps), **self._motion(name))
 
     def _motion(self, name: str) -> Dict[str, Any]:
         """Return what Gazebo's tags say of how a link moves, as fields of a Link."""

@@ -11,7 +11,7 @@ from img_recog.formats import sdf_file, urdf
 from img_recog.formats.audit import Finding
 from img_recog.formats.problems import Problems
 from img_recog.markup import MarkupError, check_expanded, parse_xml, read_bytes
-from img_recog.model import Model, Tree
+from img_recog.model import SUN, Light, Model, Surroundings, Tree
 from img_recog.rotations import Transform
 
 ReadFile = Callable[[str], Union[str, bytes]]
@@ -27,7 +27,7 @@ class WorldFile(NamedTuple):
     warnings: a line for each thing that was left out; has_floor: whether there is Gazebo's
     ground_plane, at z 0; camera: the pose of Gazebo's user camera in the world, if the file
     gives it; left_out: what cannot be used; missing_looks: materials and textures that are not
-    found; findings: what is not done as asked.
+    found; findings: what is not done as asked; lights: those of no link.
     """
 
     name: str
@@ -39,6 +39,8 @@ class WorldFile(NamedTuple):
     left_out: Tuple[str, ...] = ()
     missing_looks: Tuple[str, ...] = ()
     findings: Tuple[Finding, ...] = ()
+    lights: Tuple[Light, ...] = (SUN,)
+    surroundings: Surroundings = Surroundings()
 
 
 def read(world: str, worlds: Dict[str, str], find: FindFile = lambda uri: None,
@@ -103,7 +105,8 @@ def _read_sdf(root: ElementTree.Element, path: str, find: FindFile,
     name = os.path.splitext(os.path.basename(path))[0]
     warnings = tuple('world {}: model {}: {}'.format(name, tree.name, warning)
                      for tree in contents.trees for warning in tree.model.warnings)
-    return WorldFile(name, contents.trees, gravity, warnings, contents.has_floor, contents.camera)
+    return WorldFile(name, contents.trees, gravity, warnings, contents.has_floor, contents.camera,
+                     lights=contents.lights, surroundings=contents.surroundings)
 
 
 def _parsed(world: str, path: str, worlds: Dict[str, str],

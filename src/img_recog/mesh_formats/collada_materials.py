@@ -5,8 +5,8 @@ from typing import Callable, Dict, Optional, Sequence
 
 import numpy as np
 
-from img_recog.mesh_formats.file_material import FileMaterial
-from img_recog.model import GREY
+from img_recog.mesh_formats.file_material import UNSTATED, UNSTATED_AMBIENT
+from img_recog.model import Material, Rgb
 
 _SHADERS = 'lambert', 'phong', 'blinn', 'constant'
 _LUMINANCE = 0.212671, 0.71516, 0.072169        # of ITU-R BT.709, as in the specification
@@ -26,37 +26,40 @@ class Materials:
     def __init__(self, get: Get, find_texture: Callable[[str], str]):
         """get: returns an element of the file; find_texture: the path of a texture by name."""
         self._get, self._find_texture = get, find_texture
-        self._found: Dict[str, Optional[FileMaterial]] = {}
+        self._found: Dict[str, Optional[Material]] = {}
 
-    def get(self, url: str) -> Optional[FileMaterial]:
+    def get(self, url: str) -> Optional[Material]:
         """Return the material at a URL, None if there is none."""
         if url not in self._found:
             element = self._get('material', url)
-            self._found[url] = None if element is None else FileMaterial()
+            self._found[url] = None if element is None else UNSTATED
             if element is not None:
                 with contextlib.suppress(ValueError):       # of a number: it is grey
                     self._found[url] = self._read(element)
         return self._found[url]
 
-    def _read(self, material: ElementTree.Element) -> FileMaterial:
+    def _read(self, material: ElementTree.Element) -> Material:
         instance = material.find('instance_effect')
         effect = None if instance is None else self._get('effect', instance.get('url'))
         shaders = [] if effect is None else [
             shader for name in _SHADERS
             for shader in effect.findall('profile_COMMON/technique/' + name)]
         if effect is None or not shaders:
-            return FileMaterial()
+            return UNSTATED
         shader = shaders[0]
-        opacity = _opacity(shader)
+        glow = _color(shader, 'emission', (0.0, 0.0, 0.0))
+        *rgb, opacity = [*_color(shader, 'diffuse', glow if shader.tag == 'constant' else
+                                 UNSTATED.color), 1.0][:4]
+        found = Material(
+            (*_rgb(rgb), min(max(opacity, 0.0), 1.0) * _opacity(shader)),
+            ambient=_rgb(_color(shader, 'ambient', UNSTATED_AMBIENT)),
+            specular=_rgb(_color(shader, 'specular', (0.0, 0.0, 0.0))), emissive=_rgb(glow),
+            shininess=float(shader.findtext('shininess/float') or 0))
         texture = shader.find('diffuse/texture')
-        if texture is not None:
-            return FileMaterial((*GREY[:3], opacity), self._find_texture(
-                self._image(effect, texture.get('texture', ''))))
-        glow = _color(shader, 'emission', (0.0, 0.0, 0.0, 1.0))
-        color = _color(shader, 'diffuse', glow if shader.tag == 'constant' else GREY)
-        red, green, blue = (min(max(one + other, 0.0), 1.0)
-                            for one, other in zip(color[:3], glow[:3]))
-        return FileMaterial((red, green, blue, opacity))
+        if texture is None:
+            return found
+        return found._replace(color=(1.0, 1.0, 1.0, found.color[3]), texture=self._find_texture(
+            self._image(effect, texture.get('texture', ''))))
 
     def _image(self, effect: ElementTree.Element, name: str) -> str:
         """Return the file name of an image that an effect refers to, '' without one."""
@@ -76,6 +79,11 @@ class Materials:
 def _color(shader: ElementTree.Element, tag: str, default: Sequence[float]) -> Sequence[float]:
     values = read_floats(shader.findtext(tag + '/color')).tolist()
     return default if len(values) < 3 else [*values, 1.0][:4]
+
+
+def _rgb(values: Sequence[float]) -> Rgb:
+    red, green, blue = (min(max(value, 0.0), 1.0) for value in values[:3])
+    return red, green, blue
 
 
 def _opacity(shader: ElementTree.Element) -> float:

@@ -1,10 +1,10 @@
 """The materials of mesh files, and where their textures are."""
 import os
 import re
-from typing import Any, List, NamedTuple, Sequence
+from typing import Any, List, Sequence
 from urllib.parse import unquote
 
-from img_recog.model import GREY, Color
+from img_recog.model import Material
 
 # where Gazebo looks for the textures of a mesh
 _FOLDERS = ('', os.path.join('..', 'materials', 'textures'))
@@ -15,15 +15,9 @@ _IN_FOLDER = re.compile('(?:model|package)://')
 _BASE = 200         # of the numbers that colors stand for
 
 
-class FileMaterial(NamedTuple):
-    """A material of a mesh file.
-
-    color: used where the texture cannot be read; else white, with the same opacity; texture: the
-    path of an image file, '' for none.
-    """
-
-    color: Color = GREY
-    texture: str = ''
+# of a COLLADA file that says nothing of its colors, as in Gazebo
+UNSTATED_AMBIENT = (0.4, 0.4, 0.4)
+UNSTATED = Material((0.5, 0.5, 0.5, 1.0), ambient=UNSTATED_AMBIENT)
 
 
 def number_color(number: int) -> List[float]:

@@ -3,7 +3,7 @@ from typing import NamedTuple, Optional, Sequence
 
 import numpy as np
 
-from img_recog.mesh_formats.file_material import FileMaterial
+from img_recog.model import Material
 
 
 class FilePart(NamedTuple):
@@ -14,7 +14,7 @@ class FilePart(NamedTuple):
     """
 
     name: str = ''
-    material: Optional[FileMaterial] = None
+    material: Optional[Material] = None
     poses: Optional[np.ndarray] = None
 
 

@@ -5,8 +5,9 @@ import re
 from typing import Dict, List, Optional
 
 from img_recog.files import plain
-from img_recog.mesh_formats.file_material import FileMaterial, find_texture, number_color
+from img_recog.mesh_formats.file_material import find_texture, number_color
 from img_recog.mesh_formats.simplified import FilePart, Simplified
+from img_recog.model import Material, Rgb
 
 # lines of an OBJ that trimesh misreads: with a tab or a space first, or with an index up to 0
 _UNUSUAL = re.compile(rb'^[ \t]|^[vf][nt]?\t|^f.*[ \t/](-|0([/\s]|$))', re.MULTILINE)
@@ -15,6 +16,8 @@ _PART = re.compile(rb'^[ \t]*(o|g|usemtl)(?=\s)([^\r\n]*)', re.MULTILINE)
 _CONTINUED = re.compile(rb'\\\r?\n')        # a line that goes on in the next one
 _KINDS = ('v', 'vt', 'vn')      # what the indices of a corner of a face count
 _MAX_BYTES = 1 << 24
+_DARK = (0.0, 0.0, 0.0)
+_BLACK = Material((*_DARK, 1.0), ambient=_DARK)      # what states no color
 _OPTIONS = re.compile(r'(?:-[a-z]+(?:\s+(?:on|off|[-+.\d]+(?=\s)))*\s+)*', re.IGNORECASE)
 
 
@@ -23,7 +26,7 @@ def simplified(content: bytes, mesh: str) -> Simplified:
 
     The name of a part is that of the object or group before it, like in Gazebo.
     """
-    materials: Dict[str, FileMaterial] = {}
+    materials: Dict[str, Material] = {}
     for name in libraries(content, mesh):
         materials.update(read_mtl(_text(name), mesh))
     numbers = {FilePart(): 0}
@@ -66,9 +69,9 @@ def _text(path: str) -> str:
         return ''
 
 
-def read_mtl(text: str, mesh: str) -> Dict[str, FileMaterial]:
+def read_mtl(text: str, mesh: str) -> Dict[str, Material]:
     """Return the materials of an OBJ's material file by name; mesh: the path of the OBJ."""
-    found: Dict[str, FileMaterial] = {}
+    found: Dict[str, Material] = {}
     name: Optional[str] = None
     for line in text.splitlines():
         words = line.split(None, 1)
@@ -77,25 +80,41 @@ def read_mtl(text: str, mesh: str) -> Dict[str, FileMaterial]:
         key, value = words[0].lower(), words[1].strip()
         if key == 'newmtl':
             name = ' '.join(value.split())
-            found[name] = FileMaterial()
+            found[name] = _BLACK
         elif name is not None:
             with contextlib.suppress(ValueError, IndexError):       # like Gazebo
                 found[name] = _with_property(found[name], key, value, mesh)
     return found
 
 
-def _with_property(material: FileMaterial, key: str, value: str, mesh: str) -> FileMaterial:
+def _with_property(material: Material, key: str, value: str, mesh: str) -> Material:
     """Return a material with a property of a material file; ValueError for a wrong number."""
     red, green, blue, opacity = material.color
-    if key == 'kd' and value[:1] not in ('s', 'x'):        # spectral and CIEXYZ: not in use
-        red, green, blue = (float(word) for word in (value.split() * 3)[:3])
-    elif key == 'd':
+    if key == 'd':
         opacity = float(value.split()[-1])
     elif key == 'tr':
         opacity = 1.0 - float(value.split()[-1])
+    elif key == 'ns':
+        return material._replace(shininess=float(value.split()[0]))
     elif key == 'map_kd':
         return material._replace(texture=find_texture(mesh, _OPTIONS.sub('', value, count=1)))
+    elif key == 'kd':
+        red, green, blue = _rgb(value, (red, green, blue))
+    elif key == 'ka':
+        return material._replace(ambient=_rgb(value, material.ambient or _DARK))
+    elif key == 'ks':
+        return material._replace(specular=_rgb(value, material.specular))
+    elif key == 'ke':
+        return material._replace(emissive=_rgb(value, material.emissive))
     return material._replace(color=(red, green, blue, min(max(opacity, 0.0), 1.0)))
+
+
+def _rgb(value: str, default: Rgb) -> Rgb:
+    """Return a color; default: in place of a spectral or CIEXYZ one, which are not in use."""
+    if value[:1] in ('s', 'x'):
+        return default
+    red, green, blue = (float(word) for word in (value.split() * 3)[:3])
+    return red, green, blue
 
 
 def _as_usual(text: str) -> str:

@@ -8,17 +8,17 @@ import numpy as np
 from img_recog import textures
 from img_recog.errors import one_line
 from img_recog.mesh_file import MeshError, Triangles
-from img_recog.model import Shape, Visual, VisualScene
-from img_recog.rendering import prepared, shaders, triangles
+from img_recog.model import MESH, WHITE, Material, Rgb, Shape, Visual, VisualScene
+from img_recog.rendering import floor, prepared, shaders, triangles
 from img_recog.rendering.file_cache import FileCache
+from img_recog.rendering.lighting import Lighting
 
 _NO_TEXTURE = -1
-_WHITE = (1.0, 1.0, 1.0)
 _VERTEX = np.dtype([('position', 'f4', 3), ('normal', 'f4', 3), ('uv', 'f4', 2),
-                    ('color', 'u1', 4)])
+                    ('material', 'u4')])
 
-# what the triangles of a batch have in common: transparent, part or -1, texture or -1
-_Key = Tuple[bool, int, int]
+# what the triangles of a batch have in common: transparent, part or -1, texture or -1, shining
+_Key = Tuple[bool, int, int, bool]
 
 
 class Batch(NamedTuple):
@@ -26,7 +26,7 @@ class Batch(NamedTuple):
 
     They are those of some visuals, one after the other. part: the number of the moving part, -1
     for static ones; boxes (k,): the numbers of the visuals' bounds; ends (k + 1,): the corners
-    before each visual, and all; texture: None for colors alone, with an alpha channel
+    before each visual, and all; texture: None for none, with an alpha channel
     if the triangles are only seen where it is opaque; flags: what moderngl's `enable_only` gets;
     shaded, depth: drawn by the programs of those names.
     """
@@ -65,29 +65,31 @@ class Bounds(NamedTuple):
 class Loaded(NamedTuple):
     """A scene in the memory of OpenGL.
 
-    bounds: of each visual; missing: a line for each mesh or texture that is left out.
+    bounds: of each visual; programs: that draw it; materials: the table of them all, which the
+    programs look up; missing: a line for each mesh, texture or light that is left out.
     """
 
     batches: List[Batch]
     bounds: List[Bounds]
+    floor: floor.Floor
+    lighting: Lighting
+    programs: List[moderngl.Program]
+    materials: moderngl.Texture
     missing: List[str]
 
 
 class Loader:
     """Loads scenes, and keeps the textures of all.
 
-    plain, textured, depth: the programs that draw batches; to_clip and model, or to_clip alone in
-    `depth`, are their uniforms.
+    depth: the program that draws depths; to_clip is its uniform.
     """
 
     def __init__(self, context: moderngl.Context):
-        """Make the programs."""
+        """context: in which all is loaded."""
         self._context = context
-        self.plain, self.textured = (
-            context.program(vertex_shader=shaders.SHADED_VERTEX, fragment_shader=fragment)
-            for fragment in (shaders.PLAIN_FRAGMENT, shaders.TEXTURED_FRAGMENT))
-        self.depth = context.program(vertex_shader=shaders.SHADOW_VERTEX,
-                                     fragment_shader=shaders.SHADOW_FRAGMENT)
+        self._programs: Dict[Tuple[str, ...], moderngl.Program] = {}
+        self.depth = context.program(vertex_shader=shaders.DEPTH_VERTEX,
+                                     fragment_shader=shaders.DEPTH_FRAGMENT)
         self._meshes = FileCache(prepared.read_mesh)
         self._images = FileCache(prepared.read_texture)
         self._cutouts = FileCache(partial(prepared.read_texture, mode='RGBA'))
@@ -99,14 +101,19 @@ class Loader:
         """Load a scene; models (n, 4, 4): the transforms of all parts to the world."""
         self._missing = []
         old_textures, self._textures = self._textures, {}
+        self._lighting = Lighting(scene.lights, scene.surroundings)
+        self._miss(self._lighting.problem)
+        self._surroundings = scene.surroundings
+        self._materials: Dict[Material, int] = {}
         bounds: List[Bounds] = []
         grouped: Dict[_Key, List[Tuple[int, np.ndarray]]] = {}
         for visual in scene.visuals:
             is_moving = scene.moving[visual.part]
             pose = visual.pose if is_moving else models[visual.part] @ visual.pose
             part = visual.part if is_moving else -1
-            for corners, image, is_transparent in self._vertices(visual, pose):
-                key = (is_transparent, part, self._texture(image, old_textures))
+            for corners, image, material in self._vertices(visual, pose):
+                key = (material.color[3] < 1, part, self._texture(image, old_textures),
+                       self._shines(material))
                 grouped.setdefault(key, []).append((len(bounds), corners))
                 bounds.append(Bounds(part, corners['position'].min(axis=0),
                                      corners['position'].max(axis=0)))
@@ -115,19 +122,58 @@ class Loader:
         self._cutouts.forget_unused()
         # in this order, whatever the textures are in the memory: of what is at the same place, the
         # first is seen
-        keys = sorted(grouped, key=lambda key: (key[:2], key[2] != _NO_TEXTURE))
+        keys = sorted(grouped, key=lambda key: (key[:2], key[2] != _NO_TEXTURE, key[3]))
         batches = [self._batch(key, *zip(*grouped[key])) for key in keys]
-        return Loaded(batches, bounds, self._missing)
+        ground = floor.Floor(self._context, self._program(), self.depth,
+                             self._number(floor.MATERIAL))
+        programs = {id(each): each for each in (
+            self._program(), *(batch.shaded.program for batch in batches))}
+        return Loaded(batches, bounds, ground, self._lighting, list(programs.values()),
+                      self._table(scene.surroundings.ambient), self._missing)
+
+    def _shines(self, material: Material) -> bool:
+        """Return whether a material may have a highlight."""
+        return (self._lighting.have_highlights and material.shininess > 0
+                and max(material.specular) > 0)
+
+    def _program(self, is_textured: bool = False, shines: bool = False) -> moderngl.Program:
+        options = (*(('TEXTURED',) if is_textured else ()),
+                   *(() if self._lighting.are_directions and not shines else ('PIXELS',)),
+                   *(('FOG',) if self._surroundings.fog is not None else ()))
+        if options not in self._programs:
+            self._programs[options] = self._context.program(**shaders.shaded(*options))
+        return self._programs[options]
+
+    def _number(self, material: Material) -> int:
+        """Return the number that a material has in the table."""
+        return self._materials.setdefault(material, len(self._materials))
+
+    def _table(self, ambient: Rgb) -> moderngl.Texture:
+        """Return the table of the materials in some ambient light."""
+        height = len(self._materials) // shaders.TABLE_WIDTH + 1
+        table = np.zeros((height, 3, shaders.TABLE_WIDTH, 4), 'f4')
+        for material, number in self._materials.items():
+            row, column = divmod(number, shaders.TABLE_WIDTH)
+            red, green, blue, opacity = material.color
+            base = np.array(material.ambient or (red, green, blue)) * ambient + material.emissive
+            table[row, :, column] = ((*base, opacity), (red, green, blue, material.shininess),
+                                     (*material.specular, 0))
+        texture = self._context.texture((shaders.TABLE_WIDTH, 3 * height), 4, table.tobytes(),
+                                        dtype='f4')
+        texture.filter = moderngl.NEAREST, moderngl.NEAREST
+        return texture
 
     def _vertices(self, visual: Visual, pose: np.ndarray
-                  ) -> List[Tuple[np.ndarray, Optional[np.ndarray], bool]]:
-        """Return corners, image and whether they are transparent, of each part that is seen."""
+                  ) -> List[Tuple[np.ndarray, Optional[np.ndarray], Material]]:
+        """Return corners, image and material of each part that is seen."""
         found = []
         for part in self._triangles(visual.shape):
-            color, image = self._appearance(visual, part)
-            if color[3] > 0:
-                scale = (1.0, 1.0) if visual.material is None else visual.material.scale
-                found.append((_corners(part, pose, color, scale), image, color[3] < 1))
+            material = _material(visual, part)
+            if material.color[3] > 0:
+                image = self._image(material.texture, self._cutouts if material.is_cutout
+                                    else self._images)
+                found.append((_corners(part, pose, self._number(material), material.scale),
+                              image, material))
         return found
 
     def _triangles(self, shape: Shape) -> List[Triangles]:
@@ -139,17 +185,6 @@ class Loader:
         for part in parts:
             self._miss(part.problem)
         return parts
-
-    def _appearance(self, visual: Visual, part: Triangles
-                    ) -> Tuple[Sequence[float], Optional[np.ndarray]]:
-        """Return color and image of triangles: the material's, or those of the file."""
-        material = visual.material
-        if material is not None and not (visual.prefers_file and part.has_material):
-            return material.color, self._image(
-                material.texture, self._cutouts if material.is_cutout else self._images)
-        image = self._image(part.texture, self._images)
-        return (*(part.color[:3] if image is None else _WHITE),
-                part.color[3] * visual.opacity), image
 
     def _image(self, path: str, images: FileCache[np.ndarray]) -> Optional[np.ndarray]:
         """Return the image at a path, None for '' or if it cannot be read."""
@@ -164,19 +199,18 @@ class Loader:
             self._missing.append(problem)
 
     def _batch(self, key: _Key, boxes: Sequence[int], corners: Sequence[np.ndarray]) -> Batch:
-        is_transparent, part, texture = key
+        is_transparent, part, texture, shines = key
         image = self._textures[texture][1] if texture != _NO_TEXTURE else None
         flags = moderngl.DEPTH_TEST
         if is_transparent:
             flags |= moderngl.BLEND
-        elif image is None or image.components == 3:
+        if image is None or image.components == 3:
             flags |= moderngl.CULL_FACE     # like in Gazebo; leaves that are cut out have no back
         buffer = self._context.buffer(np.concatenate(corners))
-        shaded = (
-            self._context.vertex_array(self.plain, [
-                (buffer, '3f 3f 8x 4f1', 'position', 'normal', 'color')])
-            if image is None else self._context.vertex_array(self.textured, [
-                (buffer, '3f 3f 2f 4f1', 'position', 'normal', 'uv', 'color')]))
+        program = self._program(image is not None, shines)
+        shaded = self._context.vertex_array(program, [
+            (buffer, '3f 3f 8x 1u', 'position', 'normal', 'material') if image is None else
+            (buffer, '3f 3f 2f 1u', 'position', 'normal', 'uv', 'material')])
         depth = self._context.vertex_array(self.depth, [(buffer, '3f 24x', 'position')])
         ends = np.cumsum([0, *map(len, corners)])
         return Batch(part, np.array(boxes, int), ends, image, is_transparent, flags, shaded, depth)
@@ -200,15 +234,23 @@ class Loader:
         return key
 
 
-def _corners(part: Triangles, pose: np.ndarray, color: Sequence[float],
+def _material(visual: Visual, part: Triangles) -> Material:
+    """Return the material of triangles: that of the visual, or that of the file."""
+    given = visual.material
+    if given is not None and not (visual.prefers_file and part.has_material):
+        return given
+    return (part.material if visual.shape.kind == MESH else WHITE).faded(visual.opacity)
+
+
+def _corners(part: Triangles, pose: np.ndarray, material: int,
              scale: Sequence[float] = (1.0, 1.0)) -> np.ndarray:
     """Return the corners of triangles, moved by `pose` (4, 4), as an array of _VERTEX.
 
-    scale: of the texture, about its middle, like Ogre does it.
+    material: its number; scale: of the texture, about its middle, like Ogre does it.
     """
     corners = np.empty(len(part.positions) * 3, _VERTEX)
     corners['position'] = part.positions.reshape(-1, 3) @ pose[:3, :3].T + pose[:3, 3]
     corners['normal'] = part.normals.reshape(-1, 3) @ pose[:3, :3].T
     corners['uv'] = (part.uvs.reshape(-1, 2) - 0.5) / scale + 0.5
-    corners['color'] = np.round(np.clip(color, 0, 1) * np.array(255.0))
+    corners['material'] = material
     return corners

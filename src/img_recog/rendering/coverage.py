@@ -76,16 +76,6 @@ def are_on_image(rectangles_: np.ndarray) -> np.ndarray:
     return (rectangles_[:, :2] <= 1).all(axis=1) & (rectangles_[:, 2:] >= -1).all(axis=1)
 
 
-def largest(rectangles_: np.ndarray) -> float:
-    """Return the largest share of the image that one of rectangles (n, 4) on it covers.
-
-    >>> largest(np.array([[0, 0, 2, 0.5], [-1, -1, -0.5, 0]]))
-    0.125
-    """
-    places = rectangles_.clip(-1, 1)
-    return float(np.prod(places[:, 2:] - places[:, :2], axis=1).max(initial=0)) / 4
-
-
 def runs(rectangles_: np.ndarray, width: int, height: int) -> np.ndarray:
     """Return rectangles (k, 4) of whole tiles, of which no two overlap, that hold others.
 
@@ -101,17 +91,6 @@ def runs(rectangles_: np.ndarray, width: int, height: int) -> np.ndarray:
     rows, lefts, rights = rows[::2], edges[::2], edges[1::2]
     tiles = np.stack([lefts, rows, rights, rows + 1], axis=1) * TILE_PX
     return tiles / np.tile(size, 2) * 2 - 1
-
-
-def overlap(rectangles_: np.ndarray, others: np.ndarray) -> np.ndarray:
-    """Return (n,) which of rectangles (n, 4) overlap one of others (k, 4), or touch it.
-
-    >>> given = np.array([[-1, -1, 0, 0], [2, 2, 3, 3], [3, 0, 4, 1]])
-    >>> overlap(given, np.array([[0, 0, 2, 2]])).tolist()
-    [True, True, False]
-    """
-    return ((rectangles_[:, np.newaxis, :2] <= others[:, 2:])
-            & (rectangles_[:, np.newaxis, 2:] >= others[:, :2])).all(axis=2).any(axis=1)
 
 
 def _tiles(rectangles_: np.ndarray, size: np.ndarray) -> np.ndarray:

@@ -1,5 +1,4 @@
 """Homogeneous transforms and projections as arrays (4, 4); lengths in m, REP 103 axes."""
-import math
 from typing import Sequence, Union
 
 import numpy as np
@@ -68,33 +67,6 @@ def perspective(window: Window, near: float, far: float) -> np.ndarray:
                      [0, 2 / (top - bottom), (top + bottom) / (top - bottom), 0],
                      [0, 0, -(far + near) / (far - near), -2 * far * near / (far - near)],
                      [0, 0, -1, 0]])
-
-
-def orthographic(half_x: float, half_y: float, near: float, far: float) -> np.ndarray:
-    """Return the projection of parallel light.
-
-    >>> (orthographic(2, 4, -1, 1) @ (2, 2, -1, 1)).tolist()    # at the right edge, far
-    [1.0, 0.5, 1.0, 1.0]
-    """
-    return np.array([[1 / half_x, 0, 0, 0], [0, 1 / half_y, 0, 0],
-                     [0, 0, -2 / (far - near), -(far + near) / (far - near)], [0, 0, 0, 1]])
-
-
-def looking(direction: Vector) -> np.ndarray:
-    """Return the rotation (4, 4) of OpenGL's camera frame that looks along `direction`: its view.
-
-    The x axis of the image is horizontal in the world.
-
-    >>> (looking((3, 0, 0)) @ (2, 1, 5, 1)).tolist()    # 2 m ahead, 1 m to the left, 5 m up
-    [-1.0, 5.0, -2.0, 1.0]
-    """
-    backward = -np.asarray(direction, float) / math.sqrt(np.dot(direction, direction))
-    up = (0, 0, 1) if abs(backward[2]) < 0.999 else (0, 1, 0)
-    right = np.cross(up, backward)
-    right /= np.linalg.norm(right)
-    matrix = np.eye(4)
-    matrix[:3, :3] = right, np.cross(backward, right), backward
-    return matrix
 
 
 def to_bytes(matrix: np.ndarray) -> bytes:

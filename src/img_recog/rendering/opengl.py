@@ -7,11 +7,9 @@ import numpy as np
 
 from img_recog.errors import UserError, one_line
 from img_recog.model import VisualScene
-from img_recog.rendering import coverage, floor, matrices, shaders
+from img_recog.rendering import coverage, matrices, shaders
 from img_recog.rendering.batches import Batch, Loader
 from img_recog.rendering.camera import Pinhole
-from img_recog.rendering.floor import Floor
-from img_recog.rendering.shadow_map import ShadowMap
 from img_recog.rendering.sky import Sky
 from img_recog.rendering.target import Target
 
@@ -20,8 +18,6 @@ _FLOOR_TOLERANCE_M = 0.001      # what lies on the floor, at the same height, is
 _CLIP_DISTANCE0, _CLIP_DISTANCE1 = 0x3000, 0x3001   # of OpenGL; moderngl has no names for them
 # GL_SAMPLE_ALPHA_TO_COVERAGE and _ONE: what is not opaque covers no samples
 _CUTOUT = 0x809E, 0x809F
-_MUCH = 0.3                     # of an image; to look for shadows on all of the floor is faster
-_MIN_SUN_Z = 0.1                # below, shadows are too long to find out where on the floor
 
 
 class Renderer:
@@ -37,22 +33,18 @@ class Renderer:
             context.program(vertex_shader=shaders.WHOLE_VERTEX, fragment_shader=fragment)
             for fragment in (shaders.CLEAR_FRAGMENT, shaders.RESOLVE_FRAGMENT))
         self._sky = Sky(context)
-        self._floor = Floor(context, self._loader.plain, self._loader.depth)
         self._targets: Dict[Tuple[int, int], Target] = {}
 
     def load(self, scene: VisualScene, poses: np.ndarray) -> List[str]:
-        """Draw this scene from now on; return a line for each mesh or texture that is left out.
+        """Draw this scene from now on; return a line for each thing that is left out.
 
         poses (n, 7): of all parts now; those of parts that do not move stay like that.
         """
-        self._light, self._shadow_poses = scene.light, b''
-        self._sun = np.array(scene.light.sun) / np.linalg.norm(scene.light.sun)
+        self._surroundings, self._has_floor = scene.surroundings, scene.floor
         with self._context:     # the process may have other contexts
-            loaded = self._loader.load(scene, matrices.from_poses(poses))
+            self._loaded = loaded = self._loader.load(scene, matrices.from_poses(poses))
             self._opaque = [batch for batch in loaded.batches if not batch.is_transparent]
             self._transparent = [batch for batch in loaded.batches if batch.is_transparent]
-            self._shadows = ShadowMap(self._context, self._sun, self._loader.depth, self._opaque,
-                                      loaded.bounds)
             self._context.gc()
         self._boxes = coverage.Boxes(loaded.bounds)
         return loaded.missing
@@ -63,7 +55,7 @@ class Renderer:
 
         camera_pose (4, 4): in the world, of the camera body, which looks along its x axis with z
         upward in the image. poses (n, 7): of all parts, see `matrices.from_poses`. ceiling: the
-        height in m from which on nothing is drawn; shadows stay.
+        height in m from which on nothing is drawn.
         """
         with self._context:
             return self._draw(camera, camera_pose, poses, ceiling)
@@ -71,15 +63,14 @@ class Renderer:
     def _draw(self, camera: Pinhole, camera_pose: np.ndarray, poses: np.ndarray,
               ceiling: float) -> np.ndarray:
         models, view = matrices.from_poses(poses), matrices.view(camera_pose)
-        boxes, to_clip = self._boxes.in_world(models), _projection(camera) @ view
-        rectangles = coverage.rectangles(boxes, to_clip, camera.near)
+        to_clip = _projection(camera) @ view
+        rectangles = coverage.rectangles(self._boxes.in_world(models), to_clip, camera.near)
         is_seen = coverage.are_on_image(rectangles)
-        shadowed = self._draw_shadows(poses, models, boxes, is_seen, to_clip, camera)
         target = self._target(camera.width, camera.height)
         target.pixels.use()
-        target.pixels.clear(*self._light.background, 1.0)   # OpenGL begins to draw the shadows
-        self._set_frame(to_clip, camera_pose[:3, 3], ceiling)
-        self._draw_background(camera, view, shadowed)
+        target.pixels.clear(*self._surroundings.background, 1.0)
+        self._set_frame(to_clip, camera_pose[:3, 3], ceiling, models)
+        self._draw_background(camera, view)
         if is_seen.any():
             target.begin(coverage.runs(rectangles[is_seen], camera.width, camera.height))
             if ceiling < math.inf:
@@ -94,26 +85,6 @@ class Renderer:
             self._context.disable_direct(_CLIP_DISTANCE1)
             target.resolve()
         return target.read()
-
-    def _draw_shadows(self, poses: np.ndarray, models: np.ndarray, boxes: np.ndarray,
-                      is_seen: np.ndarray, to_clip: np.ndarray, camera: Pinhole) -> np.ndarray:
-        """Draw what shadows something that is seen; return where on the floor (k, 4, 3)."""
-        if self._shadow_poses != poses.tobytes():       # else of another camera
-            self._shadows.restore(models)
-            self._shadow_poses = poses.tobytes()
-        reached = self._shadows.reached(boxes)
-        shadows, shadowed = coverage.overlap(reached, reached[is_seen]), floor.WHOLE[:0]
-        if self._light.floor and abs(self._sun[2]) < _MIN_SUN_Z:
-            shadows[:], shadowed = True, floor.WHOLE
-        elif self._light.floor:
-            on_floor = np.repeat(self._shadows.on_floor(reached), 2, axis=1)    # flat boxes
-            rectangles = coverage.rectangles(on_floor, to_clip, camera.near)
-            is_on_seen_floor = coverage.are_on_image(rectangles)
-            shadows |= is_on_seen_floor
-            shadowed = (floor.WHOLE if coverage.largest(rectangles[is_on_seen_floor]) > _MUCH else
-                        self._shadows.on_floor(self._shadows.tiles(reached[is_on_seen_floor])))
-        self._shadows.add(self._boxes.parts[shadows])
-        return shadowed
 
     def depth(self, camera: Pinhole, camera_pose: np.ndarray, poses: np.ndarray) -> np.ndarray:
         """Return the depths of that image, float32 of shape (height, width).
@@ -142,10 +113,10 @@ class Renderer:
             self._context.enable_only(batch.flags)
             self._loader.depth['to_clip'].write(matrices.to_bytes(to_clip @ batch.model(models)))
             batch.render(batch.depth, is_seen)
-        if self._light.floor:
+        if self._has_floor:
             self._context.enable_only(moderngl.DEPTH_TEST | moderngl.CULL_FACE)
             self._loader.depth['to_clip'].write(matrices.to_bytes(to_clip))
-            self._floor.draw_depths()
+            self._loaded.floor.draw_depths()
         encoded = np.frombuffer(target.depths.read(attachment=-1, dtype='f4'), np.float32)
         return encoded.reshape(camera.height, camera.width)
 
@@ -155,37 +126,28 @@ class Renderer:
             self._targets[size] = Target(self._context, size, self._clear, self._resolve)
         return self._targets[width, height]
 
-    def _set_frame(self, to_clip: np.ndarray, eye: np.ndarray, ceiling: float) -> None:
-        self._shadows.texture.use(1)
+    def _set_frame(self, to_clip: np.ndarray, eye: np.ndarray, ceiling: float,
+                   models: np.ndarray) -> None:
+        self._loaded.materials.use(1)
         # on the camera's side of the floor, or all
-        kept_heights = ((-1.0 if eye[2] < 0 else 1.0, _FLOOR_TOLERANCE_M) if self._light.floor
+        kept_heights = ((-1.0 if eye[2] < 0 else 1.0, _FLOOR_TOLERANCE_M) if self._has_floor
                         else (0.0, 1.0))
-        for program in (self._loader.plain, self._loader.textured):
+        for program in self._loaded.programs:
             program['to_clip'].write(matrices.to_bytes(to_clip))
-            program['to_map'].write(matrices.to_bytes(self._shadows.to_map))
-            program['texel_m'].value = self._shadows.texel_m
-            program['grazing'].value = self._shadows.grazing
-            program['eye'].value = tuple(eye)
             program['kept_heights'].value = kept_heights
             program['ceiling'].value = min(ceiling, _MAX_CEILING_M)
-            program['sun'].value = tuple(self._sun)
-            program['shadows'].value = 1
-        program = self._floor.lit
-        program['to_clip'].write(matrices.to_bytes(to_clip))
-        program['eye'].value = tuple(eye)
-        program['sun'].value = tuple(self._sun)
+            program['materials'].value = 1
+            if 'eye' in program:
+                program['eye'].value = tuple(eye)
+        self._loaded.lighting.write(self._loaded.programs, models)
 
-    def _draw_background(self, camera: Pinhole, view: np.ndarray, shadowed: np.ndarray) -> None:
-        """Draw sky and floor, with one sample a pixel: all of their edges are horizontal.
-
-        shadowed (k, 4, 3): what shadows can reach of the floor.
-        """
+    def _draw_background(self, camera: Pinhole, view: np.ndarray) -> None:
+        """Draw sky and floor, with one sample a pixel: all of their edges are horizontal."""
         self._context.enable_only(moderngl.NOTHING)
-        if self._light.zenith is not None:
-            self._sky.draw(camera, view, self._light.background, self._light.zenith)
-        if self._light.floor:
-            self._loader.plain['model'].write(matrices.to_bytes(np.eye(4)))
-            self._floor.draw(shadowed)
+        if self._surroundings.has_sky:
+            self._sky.draw(camera, view)
+        if self._has_floor:
+            self._loaded.floor.draw()
 
     def _render(self, batches: Sequence[Batch], models: np.ndarray, is_seen: np.ndarray) -> None:
         for batch in batches:

@@ -6,6 +6,7 @@ import numpy as np
 
 from img_recog import mesh_file, textures
 from img_recog.mesh_file import MeshError, Triangles
+from img_recog.model import Material
 from img_recog.rendering import disk_cache
 from img_recog.rendering.file_cache import version
 
@@ -35,7 +36,7 @@ def files_of(path: str) -> List[str]:
         return [path]
     try:
         return [path, *mesh_file.material_files(path),
-                *({part.texture for part in read_mesh(path)} - {''})]
+                *({part.material.texture for part in read_mesh(path)} - {''})]
     except MeshError:
         return [path]
 
@@ -52,22 +53,22 @@ def read_texture(path: str, mode: str = 'RGB') -> np.ndarray:
 
 
 def _are_found(parts: List[Triangles]) -> bool:
-    return all(os.path.isfile(part.texture) for part in parts if part.texture)
+    textures_ = {part.material.texture for part in parts} - {''}
+    return all(map(os.path.isfile, textures_))
 
 
 def _packed(parts: List[Triangles]) -> Tuple[np.ndarray, Any]:
     array = np.empty(sum(len(part.positions) for part in parts), _TRIANGLES)
     for name in _TRIANGLES.names or ():
         array[name] = np.concatenate([getattr(part, name) for part in parts])
-    return array, [[len(part.positions), list(map(float, part.color)), *part[4:]]
-                   for part in parts]
+    return array, [[len(part.positions), *part[3:]] for part in parts]
 
 
 def _unpacked(array: np.ndarray, about: Any) -> Optional[List[Triangles]]:
     """Return what was packed; None if a texture is not where it was."""
     ends = np.cumsum([count for count, *_ in about])
-    parts = [Triangles(rows['positions'], rows['normals'], rows['uvs'],
-                       (red, green, blue, opacity), *others)
-             for rows, (_, (red, green, blue, opacity), *others) in zip(
-                 np.split(array, ends[:-1]), about)]
+    # JSON has lists in place of tuples
+    parts = [Triangles(rows['positions'], rows['normals'], rows['uvs'], Material(*(
+        tuple(value) if isinstance(value, list) else value for value in material)), *others)
+             for rows, (_, material, *others) in zip(np.split(array, ends[:-1]), about)]
     return parts if _are_found(parts) else None

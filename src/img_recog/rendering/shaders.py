@@ -1,13 +1,12 @@
 """The programs of the graphics card, in GLSL 3.30.
 
-The light is that of PyBullet's window: a face with cosine c between its normal and the sun shows
-0.75 + 0.25 c of its color; in shadow or turned away 0.675 + 0.175 c.
+The light is that of Ogre, with which Gazebo draws: see `model.Material` and `model.Light`.
 """
 
-SHADOW_DEPTH_M = 400.0      # from the near to the far end of the shadow map
-_SHADE = 'mix(0.675 + 0.175 * cosine, 0.75 + 0.25 * cosine, lit)'
+MAX_LIGHTS = 16
+TABLE_WIDTH = 1024          # of the texture of materials, which has three rows for so many
 
-SHADOW_VERTEX = '''
+DEPTH_VERTEX = '''
 #version 330
 uniform mat4 to_clip;
 in vec3 position;
@@ -16,7 +15,7 @@ void main() {
 }
 '''
 
-SHADOW_FRAGMENT = '''
+DEPTH_FRAGMENT = '''
 #version 330
 void main() {
 }
@@ -27,14 +26,6 @@ WHOLE_VERTEX = '''
 in vec2 corner;
 void main() {
     gl_Position = vec4(corner, 0.0, 1.0);
-}
-'''
-
-COPY_DEPTH_FRAGMENT = '''
-#version 330
-uniform sampler2D depths;
-void main() {
-    gl_FragDepth = texelFetch(depths, ivec2(gl_FragCoord.xy), 0).r;
 }
 '''
 
@@ -59,108 +50,161 @@ void main() {
 }
 '''
 
-# Clipped below the horizon. On a processor, a flat input of a pixel is faster than a uniform: the
-# sky takes 0.3 ms instead of 0.5.
+# Clipped below the horizon.
 SKY_VERTEX = '''
 #version 330
 uniform mat4 to_ray;
-uniform vec3 horizon, zenith;
 in vec2 corner;
 noperspective out vec3 ray;
-flat out vec3 lowest, rise;
 void main() {
     ray = (to_ray * vec4(corner, -1.0, 0.0)).xyz;
-    lowest = horizon;
-    rise = zenith - horizon;
     gl_ClipDistance[0] = ray.z;
     gl_Position = vec4(corner, 1.0, 1.0);
 }
 '''
 
+# the colors of Gazebo's sky at its default time, 10 o'clock, within 12 of 255
 SKY_FRAGMENT = '''
 #version 330
 noperspective in vec3 ray;
-flat in vec3 lowest, rise;
 out vec4 color;
 void main() {
-    color = vec4(lowest + rise * (ray.z * inversesqrt(dot(ray, ray))), 1.0);
+    float height = clamp(ray.z * inversesqrt(dot(ray, ray)), 0.0, 1.0);
+    color = vec4(mix(vec3(0.267, 0.318, 0.537), vec3(0.725, 0.769, 0.894),
+                     pow(1.0 - height, 1.5)), 1.0);
 }
 '''
 
-# Of the floor where nothing can shadow it: one color.
-LIT_FLOOR_VERTEX = '''
-#version 330
-uniform mat4 to_clip;
-uniform vec3 eye, sun;
-in vec3 position;
-in vec4 color;
-flat out vec4 tint;
-void main() {
-    float cosine = eye.z > 0.0 ? sun.z : -sun.z;
-    float lit = step(0.0, cosine);
-    float shade = SHADE;
-    tint = vec4(shade, shade, shade, 1.0) * color;
-    gl_Position = to_clip * vec4(position, 1.0);
-}
-'''.replace('SHADE', _SHADE)
+# What is lit by directions alone, and has no highlight, is lit at its corners: where OpenGL runs
+# on the processor, what is interpolated and computed for a pixel is what takes time.
+_LIGHT = '''
+uniform int light_count;
+uniform vec4 place[MAX_LIGHTS];     // of a light; of a directional one, the direction to it, and 0
+uniform vec3 lamp[MAX_LIGHTS], lamp_specular[MAX_LIGHTS], axis[MAX_LIGHTS], cone[MAX_LIGHTS];
+uniform vec4 fading[MAX_LIGHTS];    // what it is divided by, and how far it reaches
 
-FLAT_FRAGMENT = '''
-#version 330
-flat in vec4 tint;
-out vec4 color;
-void main() {
-    color = tint;
+float strength(int i, vec3 to_light, float distance) {
+    if (place[i].w == 0.0)
+        return 1.0;
+    float share = (dot(axis[i], -to_light) - cone[i].x) * cone[i].y;
+    float lit = share > 0.0 && distance <= fading[i].w ? pow(min(share, 1.0), cone[i].z) : 0.0;
+    return lit / max(dot(fading[i].xyz, vec3(1.0, distance, distance * distance)), 1e-6);
+}
+'''.replace('MAX_LIGHTS', str(MAX_LIGHTS))
+
+_CORNER_LIGHT = '''
+vec3 sent(vec3 base, vec3 diffuse, vec3 normal) {
+    vec3 sum = vec3(0.0);
+    for (int i = 0; i < light_count; i++)
+        sum += max(dot(normal, place[i].xyz), 0.0) * lamp[i];
+    return base + sum * diffuse;
 }
 '''
 
-# Light is computed for the corners, not for each pixel: where OpenGL runs on the processor, what
-# is interpolated and computed for a pixel is what takes time.
-SHADED_VERTEX = '''
-#version 330
-uniform mat4 to_clip, model, to_map;
-uniform vec3 eye, sun;
-uniform float texel_m, ceiling;
+_VERTEX = '''
+uniform mat4 to_clip, model;
+uniform vec3 eye;
+uniform float ceiling;
 uniform vec2 kept_heights;      // factor and offset; what is negative then is not drawn
+uniform sampler2D materials;
 in vec3 position, normal;
 in vec2 uv;
-in vec4 color;
-out vec3 on_map;
-out float cosine;
+in uint material;
 out vec2 on_image;
-flat out vec4 tint;
-void main() {
-    vec4 world = model * vec4(position, 1.0);
-    vec3 outward = normalize(mat3(model) * normal);
-    // a transparent face is seen from both sides, and a file may have normals of the back
-    cosine = dot(faceforward(outward, world.xyz - eye, outward), sun);
-    on_map = (to_map * world).xyz;
-    // a face must not shadow itself where its depth changes within a texel
-    on_map.z -= texel_m / DEPTH_M * (1.0 + sqrt(1.0 - cosine * cosine) / max(abs(cosine), 0.1));
-    on_image = uv;
-    tint = color;
-    gl_ClipDistance[0] = kept_heights.x * world.z + kept_heights.y;
-    gl_ClipDistance[1] = ceiling - world.z;
-    gl_Position = to_clip * world;
+#ifdef PIXELS
+out vec3 outward, world;
+flat out vec4 base, diffuse, specular;
+#else
+out vec4 tint;
+#endif
+#ifdef FOG
+uniform vec4 fog;               // end, 1 / (end - start), density, exponent
+out float clear;
+#endif
+vec4 property(int row) {
+    int number = int(material);
+    return texelFetch(materials, ivec2(number % WIDTH, number / WIDTH * 3 + row), 0);
 }
-'''.replace('DEPTH_M', repr(SHADOW_DEPTH_M))
+void main() {
+    vec4 at = model * vec4(position, 1.0);
+    vec3 turned = mat3(model) * normal;
+#ifdef PIXELS
+    outward = turned;
+    world = at.xyz;
+    base = property(0);
+    diffuse = property(1);
+    specular = property(2);
+#else
+    vec4 sum = property(0);
+    tint = vec4(sent(sum.rgb, property(1).rgb, normalize(turned)), sum.a);
+#endif
+    on_image = uv;
+    gl_ClipDistance[0] = kept_heights.x * at.z + kept_heights.y;
+    gl_ClipDistance[1] = ceiling - at.z;
+    gl_Position = to_clip * at;
+#ifdef FOG      // of the corners alone, as in Gazebo
+    float depth = abs(gl_Position.w);
+    clear = fog.w == 0.0 ? (fog.x - depth) * fog.y : exp(-pow(depth * fog.z, fog.w));
+    clear = clamp(clear, 0.0, 1.0);
+#endif
+}
+'''.replace('WIDTH', str(TABLE_WIDTH))
 
-_SHADED_FRAGMENT = '''
-#version 330
+_FRAGMENT = '''
 uniform sampler2D image;
-uniform sampler2DShadow shadows;
-uniform float grazing;
-in vec3 on_map;
-in float cosine;
+uniform vec3 eye;
 in vec2 on_image;
-flat in vec4 tint;
+#ifdef PIXELS
+in vec3 outward, world;
+flat in vec4 base, diffuse, specular;
+#else
+in vec4 tint;
+#endif
+#ifdef FOG
+uniform vec3 fog_color;
+in float clear;
+#endif
 out vec4 color;
 void main() {
-    float lit = texture(shadows, on_map) * step(grazing, cosine);
-    lit = all(equal(on_map, clamp(on_map, 0.0, 1.0))) ? lit : step(grazing, cosine);
-    float shade = SHADE;
-    color = vec4(shade, shade, shade, 1.0) * tint * TEXEL;
+#ifdef PIXELS
+    vec3 facing = normalize(outward), to_eye = normalize(eye - world);
+    vec3 sum = vec3(0.0), highlight = vec3(0.0);
+    for (int i = 0; i < light_count; i++) {
+        vec3 way = place[i].xyz - place[i].w * world;
+        float distance = length(way);
+        vec3 to_light = way / distance;
+        float cosine = dot(facing, to_light);
+        if (cosine > 0.0) {
+            float share = strength(i, to_light, distance);
+            sum += cosine * share * lamp[i];
+            float half_cosine = max(dot(facing, normalize(to_light + to_eye)), 0.0);
+            highlight += share * pow(half_cosine, diffuse.a) * lamp_specular[i];
+        }
+    }
+    vec4 tint = vec4(base.rgb + sum * diffuse.rgb, base.a);
+    highlight *= specular.rgb;
+#endif
+#ifdef TEXTURED
+    color = tint * texture(image, on_image);
+#else
+    color = tint;
+#endif
+#ifdef PIXELS
+    color.rgb += highlight;
+#endif
+#ifdef FOG
+    color.rgb = mix(fog_color, color.rgb, clear);
+#endif
 }
-'''.replace('SHADE', _SHADE)
+'''
 
-PLAIN_FRAGMENT = _SHADED_FRAGMENT.replace('TEXEL', '1.0')
-TEXTURED_FRAGMENT = _SHADED_FRAGMENT.replace('TEXEL', 'texture(image, on_image)')
+
+def shaded(*options: str) -> dict:
+    """Return the arguments of a program for surfaces.
+
+    options: TEXTURED; PIXELS for light that is computed for each pixel; FOG.
+    """
+    head = '#version 330\n' + ''.join('#define {}\n'.format(option) for option in options)
+    return {'vertex_shader': head + (
+                '' if 'PIXELS' in options else _LIGHT + _CORNER_LIGHT) + _VERTEX,
+            'fragment_shader': head + (_LIGHT if 'PIXELS' in options else '') + _FRAGMENT}

@@ -1,14 +1,9 @@
 """The sky: a color that depends on the height above the horizon."""
-from typing import Tuple
-
 import moderngl
 import numpy as np
 
-from img_recog.rendering import matrices, shaders
+from img_recog.rendering import coverage, matrices, shaders
 from img_recog.rendering.camera import Pinhole
-from img_recog.rendering.shadow_map import whole_image
-
-Rgb = Tuple[float, float, float]        # from 0 to 1
 
 
 class Sky:
@@ -18,10 +13,11 @@ class Sky:
         """Make the program."""
         self._program = context.program(vertex_shader=shaders.SKY_VERTEX,
                                         fragment_shader=shaders.SKY_FRAGMENT)
-        self._array = context.vertex_array(self._program, [(whole_image(context), '2f', 'corner')])
+        corners = context.buffer(coverage.triangles(coverage.WHOLE))
+        self._array = context.vertex_array(self._program, [(corners, '2f', 'corner')])
 
-    def draw(self, camera: Pinhole, view: np.ndarray, horizon: Rgb, zenith: Rgb) -> None:
-        """Draw it before all else; below the horizon, the pixels must have its color already.
+    def draw(self, camera: Pinhole, view: np.ndarray) -> None:
+        """Draw it before all else, above the horizon.
 
         It is clipped by CLIP_DISTANCE0. view (4, 4): from the world to OpenGL's camera frame; the
         first row of the image is the highest.
@@ -33,6 +29,4 @@ class Sky:
                                            [0, (bottom - top) / 2, -(bottom + top) / 2],
                                            [0, 0, 1]]
         self._program['to_ray'].write(matrices.to_bytes(to_ray))
-        self._program['horizon'].value = tuple(horizon)
-        self._program['zenith'].value = tuple(zenith)
         self._array.render()

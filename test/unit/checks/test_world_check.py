@@ -38,7 +38,6 @@ def test_models_sizes_and_the_rest(check, tmp_path):
         Row('simulated', 'models', '2, 0.8 x 0.8 x 0.2 m'),
         Row('simulated', 'floor', 'at z 0'),
         Row('simulated', 'gravity', '0 0 -9.8 m/s2'),
-        Row('not simulated', 'light lamp', 'world default'),
         Row('not simulated', 'plugin libwind.so', 'world default'),
         Row('simulated', 'drawn', '1 shapes, 12 triangles, 0 mesh files, 0 textures')]
     assert report.problem == ''

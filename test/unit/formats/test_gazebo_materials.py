@@ -14,7 +14,7 @@ WoodFloor CeilingTiled PaintedWall PioneerBody Pioneer2Body Gold GreyGradientSky
 WoodPallet Wood Bricks Road Residential Tertiary Pedestrian Footway Motorway Lanes_6 Trunk Lanes_4
 Primary Lanes_2 Secondary Lane_1 Steps GaussianCameraNoise CameraDistortionMap WideLensMap
 CameraLensFlare PointCloud PointHandle BuildingFrame Runway Grass Editor EditorPlane DepthMap
-XYZPoints LaserScan1st LaserScan2nd Gray DarkGray WindowFrame'''.split()
+XYZPoints LaserScan1st LaserScan2nd Gray DarkGray'''.split()
 
 
 @pytest.mark.parametrize('name', ['Gazebo/' + name for name in NAMES] + ['drc/san_fauxcity_sign'])

@@ -4,7 +4,7 @@ import xml.etree.ElementTree as ElementTree
 import pytest
 
 from img_recog.formats import material_scripts, materials
-from img_recog.model import GREY, Material
+from img_recog.model import WHITE, Material
 from img_recog_testing.refusals import refusal
 
 SCRIPT = '''
@@ -18,7 +18,11 @@ material course : first
   technique { pass { texture_unit { texture course.png } } }
 }
 material shiny { technique { pass { diffuse 0.5 0.25 0.5
-  emissive 0 0 0 } } }
+  specular 0.1 .2 .3 1 12.5 emissive 0 0 0 } } }
+material bright { technique { pass { lighting off diffuse 1 0 0 } } }
+material pond { technique { pass { diffuse 0.1 0.4 0.3 fragment_program_ref PondFS { }
+  texture_unit normalMap { texture waves.png } texture_unit { texture pond_normals.png }
+  texture_unit { texture course.png } } } }
 material broken { technique { pass { diffuse 1.2.3 0 0 scale 2 3 } } }
 material glowing { technique { pass { ambient 0.5 0.5 0.25 0.4 emissive 0.7 0 0 } } }
 material short { technique { pass { diffuse 0.9 0.8 ambient 0.1 0.2 0.3 emissive 0.5 0.5 } } }
@@ -53,27 +57,37 @@ def folder(tmp_path):
 
 @pytest.mark.parametrize('inside, color', [
     ('<material><diffuse>0.1 0.2 0.3 0.4</diffuse></material>', (0.1, 0.2, 0.3, 0.4)),
-    ('<material><ambient>0.1 0.2 0.3</ambient></material>', (0.1, 0.2, 0.3, 1.0)),
+    ('<material><ambient>0.1 0.2 0.3</ambient></material>', (1, 1, 1, 1)),
     ('<material><ambient>1 1 1 1</ambient><diffuse>0 0 1 1</diffuse></material>', (0, 0, 1, 1)),
     ('<material><script>Gazebo/Red</script></material>', (1, 0, 0, 1)),
     (script('Gazebo/Blue'), (0, 0, 1, 1)), (script('Gazebo/GreyTransparent'), (.5, .5, .5, .5))])
 def test_colors(inside, color):
-    assert read(inside) == (Material(color), '')
+    material, missing = read(inside)
+    assert material.color == color and missing == ''
 
 
-def test_a_material_with_a_texture_of_gazebo_has_its_mean_color():
-    material, _ = read(script('Gazebo/Bricks', 'file://media/materials/scripts/gazebo.material'))
-    assert material == Material((0.562, 0.378, 0.37, 1))
-
-
-@pytest.mark.parametrize('name, colors, color', [
-    ('Gazebo/Grey', '<diffuse>0 0.5 1 1</diffuse>', (0, 0.5, 1, 1)),
+@pytest.mark.parametrize('name, colors, expected', [
+    ('', '<diffuse>1 0 0 1</diffuse>', Material((1, 0, 0, 1), ambient=(1, 1, 1))),
+    ('', '<ambient>255 -1 102</ambient>', Material(ambient=(1, 0, 0.4))),
+    ('', '<emissive>0 1 0 1</emissive>', Material(emissive=(0, 1, 0), ambient=(1, 1, 1))),
+    ('', '<specular>0 1 0</specular>', Material(specular=(0, 1, 0), ambient=(1, 1, 1))),
     # the goal of turtlebot3_stage_1: grey in the sun, red in the shade
-    ('Gazebo/Grey', '<ambient>1 0 0 1</ambient>', (0.82, 0.42, 0.42, 1)),
-    ('Gazebo/GreyTransparent', '<ambient>1 0 0.5 0.1</ambient>', (0.7, 0.3, 0.5, 0.5))])
-def test_colors_count_in_addition_to_a_script(name, colors, color):
-    material, missing = read(script(name).replace('</material>', colors + '</material>'))
-    assert material.color == pytest.approx(color) and missing == ''
+    ('Gazebo/Grey', '<ambient>1 0 0 1</ambient>', Material(
+        (0.7, 0.7, 0.7, 1), ambient=(1, 0, 0), specular=(0.01,) * 3, shininess=1.5)),
+    ('Gazebo/Gold', '<diffuse>0 0 1 1</diffuse><specular>1 0 0 1</specular>', Material(
+        (0, 0, 1, 1), ambient=(0.4, 0.249, 0.021), specular=(1, 0, 0), shininess=12.5)),
+    ('Gazebo/Gold', '<lighting>0</lighting>', Material(
+        (0, 0, 0, 1), ambient=(0, 0, 0), emissive=(1, 1, 1), shininess=12.5)),
+    ('', '<lighting>false</lighting><diffuse>1 0 0 0.5</diffuse>', Material(
+        (0, 0, 0, 0.5), ambient=(0, 0, 0), emissive=(1, 1, 1)))])
+def test_each_color_replaces_that_of_a_script(name, colors, expected):
+    inside = script(name) if name else '<material></material>'
+    assert read(inside.replace('</material>', colors + '</material>')) == (expected, '')
+
+
+def test_white_is_drawn_twice_where_it_is_transparent():
+    half, _ = read(script('Gazebo/White'), transparency='<transparency>0.5</transparency>')
+    assert half == WHITE._replace(color=(1, 1, 1, 0.75))
 
 
 @pytest.mark.parametrize('inside', [
@@ -98,19 +112,25 @@ def test_a_script_and_its_texture(folder, uris):
     def find(uri):
         path = folder / uri[len('model://m/'):]
         return str(path) if path.exists() else None
-    assert read(script('first', *uris), find) == (Material((0.1, 0.2, 0.3, 0.5)), '')
-    assert read(script('shiny', *uris), find) == (Material((0.5, 0.25, 0.5, 1)), '')
-    assert read(script('broken', *uris), find) == (Material(GREY), '')
-    assert read(script('glowing', *uris), find) == (Material((1, 0.5, 0.25, 0.4)), '')
-    assert read(script('short', *uris), find) == (Material((0.1, 0.2, 0.3, 1)), '')
     texture = str(folder / 'textures' / 'course.png')
-    assert read(script('course', *uris), find) == (Material((0.1, 0.2, 0.3, 0.5), texture), '')
-    assert read(script('bare', *uris), find) == (Material((1, 1, 1, 1), texture, (0.5, 1)), '')
-    assert read(script('small', *uris), find) == (Material((1, 1, 1, 1), texture), '')
-    for name in ('far', 'nearer'):
-        assert read(script(name, *uris), find) == (
-            Material((1, 1, 1, 1), texture, (0.1, 0.25)), '')
-    assert read(script('lost', *uris), find) == (Material((0.5, 0.5, 0.5, 1)), 'texture lost.png')
+    white = Material(ambient=(1, 1, 1))
+    first = Material((0.1, 0.2, 0.3, 0.5), ambient=(0, 1, 0))
+    for name, expected in (
+            ('first', first), ('course', first._replace(texture=texture)), ('broken', white),
+            ('shiny', white._replace(color=(0.5, 0.25, 0.5, 1), specular=(0.1, 0.2, 0.3),
+                                     shininess=12.5)),
+            ('glowing', Material(ambient=(0.5, 0.5, 0.25), emissive=(0.7, 0, 0))),
+            ('bright', Material((0, 0, 0, 1), ambient=(0, 0, 0), emissive=(1, 1, 1))),
+            ('short', Material(ambient=(0.1, 0.2, 0.3))),
+            ('bare', white._replace(texture=texture, scale=(0.5, 1))),
+            ('small', white._replace(texture=texture)),
+            ('far', white._replace(texture=texture, scale=(0.1, 0.25))),
+            ('nearer', white._replace(texture=texture, scale=(0.1, 0.25))),
+            # what a shader makes of the others is not known
+            ('pond', white._replace(color=(0.1, 0.4, 0.3, 1), texture=texture))):
+        assert read(script(name, *uris), find) == (expected, ''), name
+    material, missing = read(script('lost', *uris), find)
+    assert (material.color, missing) == ((0.5, 0.5, 0.5, 1), 'texture lost.png')
     for name in ('commented', 'cours', 'Gazebo/NoSuchColor'):
         material, missing = read(script(name, *uris), find)
         assert (material, missing) == (None, 'material ' + name)
@@ -164,7 +184,7 @@ def test_a_script_of_more_than_a_mebibyte_is_not_read(tmp_path, more, color):
     assert found_in(tmp_path, 'm') == color
 
 
-@pytest.mark.parametrize('parents, color', [(9, (1, 0, 0, 1)), (10, GREY)])
+@pytest.mark.parametrize('parents, color', [(9, (1, 0, 0, 1)), (10, (1, 1, 1, 1))])
 def test_a_material_has_so_many_ancestors(tmp_path, parents, color):
     (tmp_path / 'a.material').write_text('material m0 { diffuse 1 0 0 }\n' + ''.join(
         'material m{} : m{} {{}}\n'.format(each + 1, each) for each in range(parents)))

@@ -6,7 +6,7 @@ import pytest
 
 from img_recog import mesh_file, rotations
 from img_recog.formats import sdf_file, sdf_links
-from img_recog.model import BOX, CYLINDER, MESH, PLANE, SPHERE, WHOLE, Material, Shape, Submesh
+from img_recog.model import BOX, CYLINDER, MESH, PLANE, SPHERE, WHITE, WHOLE, Shape, Submesh
 from img_recog.rotations import IDENTITY, transform
 from img_recog_testing.refusals import refusal
 
@@ -87,7 +87,7 @@ def test_a_visual_has_its_color():
     look, missing = read('<box><size>1 1 1</size></box>', 'visual',
                          material='<material><script><name>Gazebo/Orange</name></script>'
                          '</material>')
-    assert (look.material, missing) == (Material((1, 0.5088, 0.0468, 1)), '')
+    assert (look.material.color, missing) == ((1, 0.5088, 0.0468, 1), '')
 
 
 def test_relative_paths(tmp_path):
@@ -115,7 +115,7 @@ def test_the_transparency_of_a_visual_without_a_material(tmp_path):
     (tmp_path / 'a.STL').write_text('')
     transparent = '<transparency>0.25</transparency>'
     look, _ = read('<box><size>1 1 1</size></box>', 'visual', material=transparent)
-    assert (look.material, look.opacity) == (Material((0.7, 0.7, 0.7, 0.75)), 1.0)
+    assert (look.material, look.opacity) == (WHITE._replace(color=(1, 1, 1, 0.9375)), 1.0)
     look, _ = read('<mesh><filename> a </filename></mesh>', 'visual', material=transparent,
                    find={'a': str(tmp_path / 'a.STL')}.get)
     assert (look.material, look.opacity) == (None, 0.75)

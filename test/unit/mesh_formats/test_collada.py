@@ -3,7 +3,8 @@ import numpy as np
 import pytest
 
 from img_recog import mesh_file
-from img_recog.model import GREY
+from img_recog.mesh_formats.file_material import UNSTATED
+from img_recog.model import WHITE
 
 IMAGE = '<library_images><image id="i"><init_from>a%20b.png</init_from></image></library_images>'
 SURFACE = ('<newparam sid="s"><surface type="2D"><init_from>i</init_from></surface></newparam>'
@@ -113,7 +114,7 @@ def test_all_of_a_mesh_is_read(tmp_path, changes):
     part = read(tmp_path, collada(**changes))
     assert part.positions.shape == (2, 3, 3) and area(part) == pytest.approx(2)
     assert part.uvs == pytest.approx(part.positions[:, :, :2] / (2, 1))
-    assert part.color == (0.2, 0.4, 0.6, 1.0) and part.has_material and part.problem == ''
+    assert part.material.color == (0.2, 0.4, 0.6, 1.0) and part.has_material and part.problem == ''
     assert part.name == ''
 
 
@@ -168,12 +169,12 @@ def test_normals_that_are_missing_are_those_of_the_triangles(tmp_path, normals):
 def test_texture_coordinates_need_no_material(tmp_path, changes):
     part = read(tmp_path, collada(**changes))
     assert part.uvs == pytest.approx(part.positions[:, :, :2] / (2, 1))
-    assert (part.color, part.texture, part.has_material) == (GREY, '', False)
+    assert (part.material, part.has_material) == (WHITE, False)
 
 
 def test_a_symbol_that_is_not_bound_names_a_material(tmp_path):
     part = read(tmp_path, collada(nodes=NODE.format('', '')).replace('"m1"', '"m"'))
-    assert part.color == (0.2, 0.4, 0.6, 1.0) and part.has_material
+    assert part.material.color == (0.2, 0.4, 0.6, 1.0) and part.has_material
 
 
 @pytest.mark.parametrize('changes', [
@@ -183,27 +184,36 @@ def test_a_symbol_that_is_not_bound_names_a_material(tmp_path):
     {'image': IMAGE.replace('<init_from>', '<init_from><ref>').replace('</i', '</ref></i', 1)}])
 def test_the_texture_of_a_material_is_found(tmp_path, changes):
     part = read(tmp_path, collada(**{'shader': TEXTURE, **changes}))
-    assert part.texture == str(tmp_path / 'a b.png') and part.has_material
-    assert part.color == GREY
+    assert part.material.texture == str(tmp_path / 'a b.png') and part.has_material
+    assert part.material.color == (1, 1, 1, 1)
 
 
 @pytest.mark.parametrize('changes', [
     {'image': ''}, {'image': '<library_images><image id="i"/></library_images>'},
     {'effect': ''}])
-def test_a_material_whose_image_is_incomplete_is_grey(tmp_path, changes):
+def test_a_material_whose_image_is_incomplete_has_none(tmp_path, changes):
     part = read(tmp_path, collada(shader=TEXTURE, **changes))
-    assert (part.color, part.texture, part.has_material) == (GREY, '', True)
+    assert part.material.texture == '' and part.has_material
     assert len(part.positions) == 2
 
 
 @pytest.mark.parametrize('shader, color', [
-    ('', GREY), ('<diffuse><color>0,5 0 0 1</color></diffuse>', GREY),
-    ('<diffuse><color>0.2 0.4</color></diffuse>', GREY),
+    ('', UNSTATED.color), ('<diffuse><color>0,5 0 0 1</color></diffuse>', UNSTATED.color),
+    ('<diffuse><color>0.2 0.4</color></diffuse>', UNSTATED.color),
     ('<diffuse><color>-0.5 0.4 0.6</color></diffuse>', (0, 0.4, 0.6, 1)),
-    ('<emission><color>0.1 0.2 0.05 1</color></emission>', (0.8, 0.9, 0.75, 1)),
-    ('<emission><color>0.5 0 0.9 1</color></emission>' + DIFFUSE, (0.7, 0.4, 1, 1))])
+    ('<diffuse><color>0.5 0.4 0.6 0.5</color></diffuse>', (0.5, 0.4, 0.6, 0.5))])
 def test_colors(tmp_path, shader, color):
-    assert read(tmp_path, collada(shader=shader)).color == pytest.approx(color)
+    assert read(tmp_path, collada(shader=shader)).material.color == pytest.approx(color)
+
+
+def test_the_light_of_a_material(tmp_path):
+    shader = ''.join('<{0}><color>{1}</color></{0}>'.format(tag, color) for tag, color in (
+        ('emission', '0.1 0 0 1'), ('ambient', '0 0.5 0 1'), ('specular', '0.5 0.6 0.7 1')))
+    material = read(tmp_path, collada(
+        shader=shader + DIFFUSE + '<shininess><float>20</float></shininess>')).material
+    assert (material.emissive, material.ambient, material.specular, material.shininess) == (
+        (0.1, 0, 0), (0, 0.5, 0), (0.5, 0.6, 0.7), 20)
+    assert read(tmp_path, collada(shader=DIFFUSE)).material.ambient == (0.4, 0.4, 0.4)
 
 
 @pytest.mark.parametrize('mode, color, amount, opacity', [
@@ -220,9 +230,9 @@ def test_colors(tmp_path, shader, color):
 def test_opacity(tmp_path, mode, color, amount, opacity):
     shader = '{}<transparent{}><color>{}</color></transparent>{}'.format(
         DIFFUSE, mode, color, amount)
-    assert read(tmp_path, collada(shader=shader)).color == pytest.approx((0.2, 0.4, 0.6, opacity))
-    shader = shader.replace(DIFFUSE, TEXTURE)
-    assert read(tmp_path, collada(shader=shader)).color == pytest.approx((*GREY[:3], opacity))
+    for given, rgb in ((DIFFUSE, (0.2, 0.4, 0.6)), (TEXTURE, (1, 1, 1))):
+        material = read(tmp_path, collada(shader=shader.replace(DIFFUSE, given))).material
+        assert material.color == pytest.approx((*rgb, opacity))
 
 
 @pytest.mark.parametrize('kind, more', [
@@ -251,20 +261,20 @@ def test_a_file_of_too_many_triangles_is_refused(tmp_path, monkeypatch, limit, c
 @pytest.mark.parametrize('shader', ['lambert', 'phong', 'blinn', 'constant'])
 def test_all_shaders_have_a_color(tmp_path, shader):
     text = collada().replace('phong', shader)
-    assert read(tmp_path, text).color == (0.2, 0.4, 0.6, 1)
+    assert read(tmp_path, text).material.color == (0.2, 0.4, 0.6, 1)
 
 
 def test_a_constant_shader_has_the_color_of_its_glow(tmp_path):
     text = collada('<emission><color>0.1 0.2 0.6 1</color></emission>')
     part = read(tmp_path, text.replace('phong', 'constant'))
-    assert part.color == pytest.approx((0.2, 0.4, 1, 1))
+    assert part.material.color == (0.1, 0.2, 0.6, 1) and part.material.emissive == (0.1, 0.2, 0.6)
 
 
 @pytest.mark.parametrize('old, new', [
     ('<instance_effect url="#e"/>', ''), ('"#e"', '"#none"'), ('phong', 'unknown')])
-def test_a_material_without_an_effect_is_grey(tmp_path, old, new):
+def test_a_material_without_an_effect(tmp_path, old, new):
     part = read(tmp_path, collada().replace(old, new))
-    assert (part.color, part.texture, part.has_material) == (GREY, '', True)
+    assert part.material == UNSTATED and part.has_material
 
 
 @pytest.mark.parametrize('transform, expected', [
@@ -315,7 +325,7 @@ def test_vertices_may_have_normals_and_texture_coordinates(tmp_path):
 def test_a_mesh_without_texture_coordinates(tmp_path):
     part = read(tmp_path, collada(primitives=TRIANGLES.format(
         INPUTS.replace('TEXCOORD', 'COLOR')), nodes=NODE.format('', BIND) * 2))
-    assert part.uvs.tolist() == [[[0, 0]] * 3] * 4 and part.color == (0.2, 0.4, 0.6, 1)
+    assert part.uvs.tolist() == [[[0, 0]] * 3] * 4 and part.material.color == (0.2, 0.4, 0.6, 1)
 
 
 def test_a_skin_is_bound_after_the_pose_of_its_node(tmp_path):

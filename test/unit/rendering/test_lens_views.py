@@ -6,12 +6,12 @@ import pytest
 
 from img_recog import lenses, rotations
 from img_recog.lenses import Distortion, Lens
-from img_recog.model import BOX, SPHERE, Light, Shape, VisualScene
+from img_recog.model import BOX, SPHERE, Shape, Surroundings
 from img_recog.rendering import lens_views, matrices
 from img_recog.rendering.camera import Camera, View, Window
 from img_recog.rendering.opengl import Renderer
 from img_recog.rendering.rays import directions
-from img_recog_testing.drawn import HERE, RED, at, centroid, scene, visual
+from img_recog_testing.drawn import HERE, RED, at, centroid, scene, sky_color, visual
 
 SIZE = 320, 240
 TYPES = {kind: lenses.scaled_to(lenses.of_type(kind), 2.4) for kind in lenses.TYPES[:-1]}
@@ -152,16 +152,14 @@ def test_distortion_moves_pixels_as_its_model_says():
 @pytest.mark.parametrize('name', ['round', 'custom', 'equidistant'])
 def test_sky_and_floor_join_in_all_faces(name):
     renderer = Renderer()
-    sky = Light((0.0, 0.0, 1.0), (0.8, 0.6, 0.4), True, (0.1, 0.2, 0.9))
-    renderer.load(VisualScene((), (False,), sky), HERE)
+    renderer.load(scene(floor=True, around=Surroundings(has_sky=True)), HERE)
     camera = Camera(*SIZE, 1.0, 0.05, 50.0, LENSES[name])
     pose = matrices.from_poses(np.array([[0.0, 0, 1, *rotations.quaternion_of(
         rotations.from_rpy((0.3, 0.4, 0.5)))]]))[0]
     image = lens_views.draw(renderer, camera, pose, HERE)
     right, down, ahead = np.moveaxis(directions(camera), -1, 0)
     height = np.stack([ahead, -right, -down], axis=-1) @ pose[2, :3]
-    expected = 255 * (np.array(sky.background) + np.maximum(height, 0)[..., np.newaxis] * (
-        np.array(sky.zenith) - sky.background))
+    expected = sky_color(height)
     above, below = height > 0.02, height < -0.15
     assert np.abs(image[above] - expected[above]).max() < 4
     assert np.ptp(image[below], axis=1).max() <= 1      # grey, unlike the sky

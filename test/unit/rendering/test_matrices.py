@@ -11,7 +11,3 @@ def test_a_point_before_the_camera_has_a_negative_z_in_its_view():
     seen = matrices.view(pose) @ pose @ (4.0, 1.0, 2.0, 1.0)
     assert np.allclose(seen, (-1.0, 2.0, -4.0, 1.0))
     assert np.allclose(matrices.inverse(pose) @ pose, np.eye(4))
-
-
-def test_what_looks_down_has_the_y_axis_upward():
-    assert np.array_equal(matrices.looking((0.0, 0.0, -2.0)), np.eye(4))

@@ -46,7 +46,7 @@ def test_a_mesh_is_read_once_and_the_same_the_next_time(folder, monkeypatch):
     first, second = read_mesh(folder), read_mesh(folder)
     assert len(found) == 1 and len(first) == len(second) == 2
     for one, other in zip(first, second):
-        assert other[3:] == one[3:] and other.texture == str(folder / 'a.png')
+        assert other[3:] == one[3:] and other.material.texture == str(folder / 'a.png')
         for name in ('positions', 'normals', 'uvs'):
             assert np.array_equal(getattr(other, name), getattr(one, name))
     assert {part.name for part in second} == {'first', 'second'}

@@ -5,7 +5,7 @@ from multiprocessing import Pipe
 import numpy as np
 import pytest
 
-from img_recog.model import Light, VisualScene
+from img_recog.model import Surroundings, VisualScene
 from img_recog.rendering import server
 from img_recog.rendering.camera import Camera
 from img_recog.rendering.server import Answer, Request, Shot
@@ -13,7 +13,7 @@ from img_recog_testing import fake_renderers
 from img_recog_testing.fake_renderers import REFUSE
 from img_recog_testing.waiting import DEADLINE_S
 
-SCENE = VisualScene((), (False,), Light((0, 0, 1), (0.5, 0.5, 0.5)))
+SCENE = VisualScene((), (False,), surroundings=Surroundings(background=(0.5, 0.5, 0.5)))
 POSES = np.array([[1.0, 2, 3, 0, 0, 0, 1]])
 SMALL, LARGE = Camera(5, 3, 1.0), Camera(8, 6, 1.0)
 
@@ -63,7 +63,8 @@ def test_pictures_and_depths_of_several_cameras(served):
 
 
 def test_a_scene_is_drawn_from_its_request_on(served):
-    other = SCENE._replace(moving=(False, True, True), light=Light((0, 0, 1), (0, 0, 1)))
+    other = SCENE._replace(moving=(False, True, True),
+                           surroundings=Surroundings(background=(0, 0, 1)))
     memory, answers = served(fake_renderers.make, Request([], POSES, SCENE),
                              Request([shot(SMALL, 4)], POSES + 1, other))
     assert answers == [Answer([]), Answer(['no mesh of 1', 'no mesh of 2'])]

@@ -3,7 +3,7 @@ import numpy as np
 import pytest
 
 from img_recog.mesh_file import MeshError
-from img_recog.model import BOX, CYLINDER, GREY, MESH, PLANE, SPHERE, Shape, Submesh
+from img_recog.model import BOX, CYLINDER, MESH, PLANE, SPHERE, WHITE, Shape, Submesh
 from img_recog.rendering.triangles import of_shape
 
 OBJ = 'v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n'
@@ -23,7 +23,7 @@ def area_and_volume(part):
     (Shape(PLANE, (4.0, 2.0)), 8.0, 0.0)])
 def test_primitive_shapes(shape, area, volume):
     part, = of_shape(shape)
-    assert part.color == GREY and part.texture == ''
+    assert part.material == WHITE
     got = area_and_volume(part)
     assert got[0] == pytest.approx(area, rel=0.01)
     assert got[1] == pytest.approx(volume, rel=0.02)

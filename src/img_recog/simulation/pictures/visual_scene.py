@@ -4,16 +4,11 @@ from typing import Dict, List, Tuple
 import numpy as np
 import pybullet
 
-from img_recog.model import Light, Visual, VisualScene
+from img_recog.model import Visual, VisualScene
 from img_recog.simulation.physics.body import Body
 from img_recog.simulation.physics.client import link_indices
 from img_recog.simulation.pictures.scene import Scene
 from img_recog.simulation.simulator import Simulator
-
-# the direction to the sun: the opposite of <direction> of Gazebo's default sun
-SUN = (0.5, -0.1, 0.9)
-# less saturated than any color that the recognition counts
-_HORIZON, _ZENITH = (0.78, 0.8, 0.82), (0.64, 0.74, 0.86)
 
 
 class Parts:
@@ -55,13 +50,16 @@ class Parts:
 
 def read(scene: Scene, parts: Parts) -> VisualScene:
     """Return what there is to draw."""
-    models = [*scene.robots, *(tree.model for tree in scene.world.trees)]
-    visuals = tuple(Visual(numbers[link.name], look.shape, look.pose.matrix(), look.material,
+    world = scene.world
+    models = [*scene.robots, *(tree.model for tree in world.trees)]
+    links = [(numbers[link.name], link) for model, numbers in zip(models, parts.numbers())
+             for link in model.links]
+    visuals = tuple(Visual(number, look.shape, look.pose.matrix(), look.material,
                            look.prefers_file, look.opacity)
-                    for model, numbers in zip(models, parts.numbers())
-                    for link in model.links for look in link.looks)
-    return VisualScene(visuals, parts.moving,
-                       Light(SUN, _HORIZON, scene.world.has_floor, zenith=_ZENITH))
+                    for number, link in links for look in link.looks)
+    lights = [(number, light) for number, link in links for light in link.lights]
+    return VisualScene(visuals, parts.moving, (*((-1, light) for light in world.lights), *lights),
+                       world.surroundings, world.has_floor)
 
 
 def _moving(body: Body) -> List[bool]:

@@ -7,17 +7,17 @@ from typing import Optional, Sequence
 import pybullet
 
 from img_recog.helper_process import HelperProcess
+from img_recog.model import SUN
 from img_recog.simulation.physics.body import Pose
 from img_recog.simulation.physics.client import connect
 from img_recog.simulation.pictures.scene import Scene, SceneCopy
 from img_recog.simulation.pictures.view import ABOVE, FIELD_OF_VIEW, Viewpoint
-from img_recog.simulation.pictures.visual_scene import SUN
 
 _PERIOD_S = 1 / 30
 _NICENESS = 10              # where OpenGL runs on the processor, the physics comes first
-# Far away, so that all light has the same direction; bodies need specularColor (0, 0, 0), or a
-# tall one shows a reflection of the light.
-_LIGHT = {'lightPosition': tuple(100 * axis for axis in SUN), 'shadowMapWorldSize': 14,
+# Gazebo's sun, whatever the world has. Far away, so that all light has the same direction; bodies
+# need specularColor (0, 0, 0), or a tall one shows a reflection of the light.
+_LIGHT = {'lightPosition': tuple(-100 * axis for axis in SUN.direction), 'shadowMapWorldSize': 14,
           'shadowMapResolution': 4096}
 # The window's vertical field of view is 90 degrees: its camera must be nearer than the view's to
 # show the same part of the floor. 1.25: from nearer, tall bodies look larger than in the view.

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from diagnostic_msgs.msg import DiagnosticStatus
 
-from img_recog.model import Light, VisualScene
+from img_recog.model import Surroundings, VisualScene
 from img_recog.nodes.gazebo import image_process
 from img_recog.nodes.gazebo.image_process import ImageProcess
 from img_recog.rendering.camera import Camera
@@ -23,8 +23,8 @@ pytestmark = pytest.mark.usefixtures('patient_helper')
 
 CAMERA, SMALL = Camera(32, 24, 1.0), Camera(8, 6, 1.0)
 POSES = np.array([[1.0, 2, 3, 0, 0, 0, 1]])
-SCENE = VisualScene((), (False,), Light((0, 0, 1), (0.5, 0.5, 0.5)))
-OTHER = SCENE._replace(light=Light((0, 0, 1), (0, 0, 1)), moving=(False, True))
+SCENE = VisualScene((), (False,), surroundings=Surroundings(background=(0.5, 0.5, 0.5)))
+OTHER = SCENE._replace(surroundings=Surroundings(background=(0, 0, 1)), moving=(False, True))
 AGAIN = 'the process that draws has ended with exit code {}; it is started again'
 
 
@@ -221,7 +221,8 @@ def test_a_process_that_was_killed_is_replaced(make, warnings, is_busy):
     child = start(made)
     drawn.draw(7)
     drawn.wait([1, 7, 128])
-    made.set_scene(SCENE._replace(light=OTHER.light), POSES)    # what the next one starts with
+    # what the next one starts with
+    made.set_scene(SCENE._replace(surroundings=OTHER.surroundings), POSES)
     wait_for(lambda: not made.is_busy, 'the scene')
     if is_busy:
         os.kill(child.pid, signal.SIGSTOP)
