@@ -62,8 +62,8 @@ def fit(ros, tmp_path):
 
 
 def wait_for_a_piece(process, tmp_path):
-    wait_for(lambda: any(name.endswith('.piece') for _, _, names in os.walk(str(tmp_path))
-                         for name in names), lambda: process.output)
+    wait_for(lambda: list(tmp_path.glob('fit_colors.count.work/*/*.piece')),
+             lambda: process.output)
     assert process.is_running()
 
 
@@ -90,7 +90,7 @@ def test_a_killed_worker_and_an_interruption_make_no_difference(fit, tmp_path):
     wait_for_a_piece(process, tmp_path)
     process.send_signal(signal.SIGINT)
     assert process.wait() == 128 + signal.SIGINT
-    assert re.search('[1-6] of 6 pieces are done and kept in fit_colors.(count|measure)',
+    assert re.search('[1-6] of 6 pieces are done and kept in fit_colors.(count|measure).work',
                      process.output)
     process = fit('--jobs', '2', '--resume')
     assert process.wait() == 0, process.output
