@@ -45,14 +45,14 @@ class Line(NamedTuple):
 
 
 class Chosen(NamedTuple):
-    """What was chosen: of each color; size: of the smallest blob; values: the parameters.
+    """What was chosen.
 
-    fits: by the names of the colors; lines: how good they are; frames: that were measured.
+    choices: of each color; fits: by the names of the colors; size_index: of the smallest blob;
+    values: the parameters; lines: how good they are; frames: how many were measured.
     """
 
     choices: Sequence[Choice]
     fits: Dict[str, Fit]
-    size: int
     size_index: int
     values: Dict[str, Any]
     lines: Sequence[Line]
@@ -87,7 +87,7 @@ class Report:
             if is_timed:
                 _check_frames(color, chosen[color], choice.limit)
         values = base.fitted({color: fit.box for color, fit in chosen.items()}, limits, size)
-        return Chosen(choices, chosen, size, sizes.index(size), values,
+        return Chosen(choices, chosen, sizes.index(size), values,
                       self._lines(base, statistics, choices, size, candidates), statistics.frames)
 
     def write(self, chosen: Chosen, measured: Results, histograms: Histograms,
