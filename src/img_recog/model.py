@@ -25,9 +25,7 @@ CAPSULE, HEIGHTMAP = 'capsule', 'heightmap'
 ALL_BITS = 0xffff       # of a solid that meets all others
 DIRECTIONAL, POINT, SPOT = 'directional', 'point', 'spot'       # lights
 LINEAR, EXP, EXP2 = 'linear', 'exp', 'exp2'                     # fog
-# Of the floor, and of what has no coefficient (Gazebo's default). PyBullet multiplies the
-# coefficients of two bodies, Gazebo takes the lower one: a higher one makes no difference there.
-FLOOR_FRICTION = 1.0
+FLOOR_FRICTION = 1.0        # of what has no coefficient: Gazebo's default
 
 
 class Submesh(NamedTuple):
@@ -121,24 +119,54 @@ class Inertia(NamedTuple):
 NO_INERTIA = Inertia(0.0, IDENTITY, np.zeros((3, 3)))
 
 
+class Friction(NamedTuple):
+    """Coefficients of a surface: mu along `direction` (3,), of any length, in the frame of the
+    link, and mu2 across it, None for mu; without a direction, see physics/friction.py."""
+
+    mu: float = FLOOR_FRICTION
+    mu2: Optional[float] = None
+    direction: Tuple[float, ...] = ()
+
+    @property
+    def across(self) -> float:
+        """The coefficient across the direction."""
+        return self.mu if self.mu2 is None else self.mu2
+
+    @property
+    def largest(self) -> float:
+        """The larger one of both coefficients."""
+        return max(self.mu, self.across)
+
+    def at_most(self, limit: float) -> 'Friction':
+        """Return this friction with no coefficient above a limit."""
+        return self._replace(mu=min(self.mu, limit), mu2=min(self.across, limit))
+
+
 class Solid(NamedTuple):
     """A collision shape at a pose in its link.
 
-    friction: the coefficient that the file gives, None if it gives none; is_concave: whether a
-    mesh is not replaced by its convex hull; bitmask: it meets those with which it has a bit in
-    common.
+    friction: that which the file gives, None if it gives none; is_concave: whether a mesh is not
+    replaced by its convex hull; bitmask: it meets those with which it has a bit in common.
     """
 
     shape: Shape
     pose: Transform = IDENTITY
-    friction: Optional[float] = None
+    friction: Optional[Friction] = None
     is_concave: bool = False
     bitmask: int = ALL_BITS
 
     @property
-    def coefficient(self) -> float:
-        """The friction that it is simulated with, at most that of the floor."""
-        return FLOOR_FRICTION if self.friction is None else min(self.friction, FLOOR_FRICTION)
+    def surface(self) -> Friction:
+        """The friction that it is simulated with."""
+        return self.friction or Friction()
+
+    def moved(self, frame: Transform) -> 'Solid':
+        """Return this solid, given in `frame`, in the parent of `frame`."""
+        friction = self.friction
+        if friction is not None and friction.direction:
+            friction = friction._replace(
+                direction=tuple((frame.rotation @ friction.direction).round(9).tolist()))
+        return self._replace(pose=frame @ self.pose, friction=friction)
 
 
 class Look(NamedTuple):
@@ -219,9 +247,9 @@ class Link(NamedTuple):
     lights: Tuple[Light, ...] = ()
 
     @property
-    def coefficient(self) -> float:
+    def surface(self) -> Friction:
         """The friction of its solids, which PyBullet takes to be the same."""
-        return self.solids[0].coefficient if self.solids else FLOOR_FRICTION
+        return self.solids[0].surface if self.solids else Friction()
 
 
 class Limits(NamedTuple):

@@ -14,6 +14,8 @@ JOINT = ('<joint name="{name}_joint" type="{type}"><parent link="base_link"/>'
          '</joint>')
 LINK = ('<link name="{name}">' + INERTIAL + '<collision>{origin}<geometry>{shape}</geometry>'
         '</collision></link>')
+# of a commanded turn: like in Gazebo, wheels of this width, 0.4 m apart, roll on their outer edges
+TURN_SHARE = 0.4 / 0.44
 MU = '<gazebo reference="{}"><mu1>0</mu1><mu2>0</mu2></gazebo>'
 
 

@@ -103,9 +103,9 @@ def _friction(robot: RobotSource) -> Iterator[Row]:
     for state, source in ((SIMULATED, '<mu1>, <mu> or <lateral_friction>'), (ASSUMED, 'default')):
         of_state = [link for link in links if (state == ASSUMED) == all(
             solid.friction is None for solid in link.solids)]
-        for value in sorted({link.coefficient for link in of_state}):
+        for value in sorted({link.surface.mu for link in of_state}):
             yield Row(state, 'friction', '{:g} of {}'.format(value, ', '.join(
-                link.name for link in of_state if link.coefficient == value)), source)
+                link.name for link in of_state if link.surface.mu == value)), source)
 
 
 def _drive(robot: RobotSource, drive: DriveSettings) -> Iterator[Row]:

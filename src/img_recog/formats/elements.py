@@ -116,7 +116,7 @@ SDF: Dict[str, Row] = {
                            why=_CONTACTS + '; Gazebo does not use the other bitmasks either'),
     'surface/friction': Row('ode', no_effect='bullet', not_simulated='torsional',
                             why='those of ode count, as in Gazebo'),
-    'friction/ode': Row('mu', not_simulated='mu2=<mu> fdir1=0,0,0 slip1=0 slip2=0'),
+    'friction/ode': Row('mu mu2 fdir1', not_simulated='slip1=0 slip2=0'),
     'visual': Row('', 'geometry pose material transparency',
                   'meta laser_retro cast_shadows',
                   'plugin visibility_flags', why='lasers see solids; ' + _SHADOWS),
@@ -150,11 +150,11 @@ SDF: Dict[str, Row] = {
 }
 
 # in a <gazebo> tag with a reference, which Gazebo copies into the link or joint
-_TAGS = Row('sensor visual collision plugin mu1 material turnGravityOff selfCollide self_collide '
-            'dampingFactor springReference springStiffness', 'light', 'kp kd maxVel minDepth '
-            'maxContacts stopCfm stopErp fudgeFactor provideFeedback implicitSpringDamper '
-            'cfmDamping disableFixedJointLumping preserveFixedJoint genTexCoord',
-            'static=0 gravity=1 laserRetro=0 velocity_decay=0 fdir1 mu2=<mu1> kinematic=0',
+_TAGS = Row('sensor visual collision plugin mu1 mu2 fdir1 material turnGravityOff selfCollide '
+            'self_collide dampingFactor springReference springStiffness', 'light', 'kp kd maxVel '
+            'minDepth maxContacts stopCfm stopErp fudgeFactor provideFeedback '
+            'implicitSpringDamper cfmDamping disableFixedJointLumping preserveFixedJoint '
+            'genTexCoord', 'static=0 gravity=1 laserRetro=0 velocity_decay=0 kinematic=0',
             why=_CONTACTS)
 
 URDF: Dict[str, Row] = {

@@ -2,17 +2,17 @@
 
 Every fixed joint costs PyBullet time in each step. Therefore fixed links are lumped into the link
 that they are fixed to, like Gazebo's SDFormat does: shapes are moved, masses and inertias added
-up, and `frames` keeps where each link went. PyBullet has one coefficient of friction per link:
+up, and `frames` keeps where each link went. PyBullet has one friction per link:
 shapes with another one than the link that they are lumped into go to a link without mass, which is
 fixed to that.
 """
 import dataclasses
-from typing import Dict, List, NamedTuple, Set, Tuple
+from typing import Dict, Iterator, List, NamedTuple, Set, Tuple
 
 from img_recog.errors import SimulationError
 from img_recog.formats import inertias
 from img_recog.model import (CONTINUOUS, FIXED, NO_INERTIA, PRISMATIC, REVOLUTE,
-                             Frame, Inertia, Joint, Light, Link, Look, Model, Solid)
+                             Frame, Friction, Inertia, Joint, Light, Link, Look, Model, Solid)
 from img_recog.rotations import IDENTITY
 
 _KINDS = (CONTINUOUS, FIXED, PRISMATIC, REVOLUTE)
@@ -154,7 +154,7 @@ class _Lump:
         self._solids: Dict[str, List[Solid]] = {}
         self._carriers: Dict[str, str] = {}         # of the links that are added
         self._parts: Dict[str, List[Link]] = {}     # of the lumped links
-        surfaces: Dict[Tuple[str, float, int, str], str] = {}
+        surfaces: Dict[Tuple[str, Friction, int, str], str] = {}
         for name, (carrier, pose) in frames.items():
             self._parts.setdefault(carrier, []).append(tree.links[name])
             self._looks[carrier] += [look._replace(pose=pose @ look.pose)
@@ -162,17 +162,18 @@ class _Lump:
             self._lights[carrier] += [light._replace(pose=pose @ light.pose)
                                       for light in tree.links[name].lights]
             for solid in tree.links[name].solids:
-                key = (carrier, solid.coefficient, solid.bitmask,
+                solid = solid.moved(pose)
+                key = (carrier, solid.surface, solid.bitmask,
                        name if name in self.watched else '')
                 if key not in surfaces:
                     surfaces[key] = self._surface(name, carrier, solid)
-                self._solids[surfaces[key]].append(solid._replace(pose=pose @ solid.pose))
+                self._solids[surfaces[key]].append(solid)
 
     def _surface(self, name: str, carrier: str, solid: Solid) -> str:
         """Return the name of the link for a shape of a link that goes to a lumped link."""
         surface = carrier
         if carrier in self._solids:
-            surface = '{}/{:g}'.format(name, solid.coefficient) if (
+            surface = '/'.join((name, *_words(solid.surface))) if (
                 name in self._solids or name == carrier) else name
             self._carriers[surface] = carrier
         self._solids[surface] = []
@@ -199,3 +200,10 @@ class _Lump:
         """Return the joints that fix them."""
         return tuple(Joint(name + '/joint', FIXED, carrier, name)
                      for name, carrier in self._carriers.items())
+
+
+def _words(friction: Friction) -> Iterator[str]:
+    """Yield the numbers of a friction, those across its direction only where they differ."""
+    yield '{:g}'.format(friction.mu)
+    if friction.across != friction.mu or friction.direction:
+        yield from map('{:g}'.format, (friction.across, *friction.direction))

@@ -1,4 +1,4 @@
-"""What is in a link of an SDF: its mass, its friction and its shapes."""
+"""What is in a link of an SDF: its mass and its shapes."""
 import os
 import xml.etree.ElementTree as ElementTree
 from typing import Callable, Dict, Optional, Tuple
@@ -36,18 +36,6 @@ def inertia(link: ElementTree.Element, offset: Transform) -> Tuple[Inertia, str]
         for key in inertias.INERTIA_KEYS]).reshape(3, 3)
     possible = inertias.possible('link ' + name, mass, matrix)
     return Inertia(mass, offset @ pose_of(given), possible.matrix), possible.warning
-
-
-def friction(link: ElementTree.Element) -> Optional[float]:
-    """Return the coefficient of the first collision that has one: PyBullet has one for each link.
-
-    In Gazebo a negative one means as much as there can be, which is that of a link without one.
-    """
-    text = link.findtext('collision/surface/friction/ode/mu')
-    if text is None:
-        return None
-    value = read_number('<mu> of link ' + name_of(link), text)
-    return value if value >= 0 else None
 
 
 def decay(link: ElementTree.Element) -> Tuple[float, float]:

@@ -6,7 +6,7 @@ from typing import Dict, List, Optional, Tuple
 import numpy as np
 
 from img_recog.files import FindFile
-from img_recog.formats import lights, sdf_links
+from img_recog.formats import frictions, lights, sdf_links
 from img_recog.formats.elements import NOT_SIMULATED
 from img_recog.formats.problems import Problems
 from img_recog.formats.sdf_frames import WORLD, Scope, pose_of
@@ -136,9 +136,7 @@ class _Builder:
         offset = _relative(frame, link.pose)
         is_fixed = is_fixed or link.is_static
         inertia = NO_INERTIA if is_fixed else self._inertia(link.element, offset)
-        friction, decay = None, (0.0, 0.0)
-        with self._problems.left_out():
-            friction = sdf_links.friction(link.element)
+        decay = 0.0, 0.0
         with self._problems.left_out():
             decay = sdf_links.decay(link.element)
         scope = Scope(link.element)
@@ -156,18 +154,19 @@ class _Builder:
         solids: List[Solid] = []
         for collision in link.element.findall('collision'):
             with self._problems.left_out():
-                solid = sdf_links.solid(collision, scope.pose(collision), self._find)._replace(
-                    friction=friction)
+                solid = sdf_links.solid(collision, IDENTITY, self._find)
+                with self._problems.left_out():
+                    solid = solid._replace(friction=frictions.of_surface(collision, link.name))
+                solid = solid.moved(scope.pose(collision))
                 if solid.shape.kind in (HEIGHTMAP, PLANE):
                     self._add_ground(link, collision, solid)
                 else:
-                    solids.append(solid._replace(pose=offset @ solid.pose, is_concave=is_fixed))
+                    solids.append(solid.moved(offset)._replace(is_concave=is_fixed))
         # in place of shapes of which none can be had
         if not looks and link.element.find('visual') is not None:
             looks = [Look(solid.shape, solid.pose) for solid in solids]
         elif not solids and len(link.element.findall('collision')) > _count_grounds(link.element):
-            solids = [Solid(look.shape, look.pose, friction) for look in looks
-                      if look.shape.kind != PLANE]
+            solids = [Solid(look.shape, look.pose) for look in looks if look.shape.kind != PLANE]
         self._links.append(Link(link.name, inertia, tuple(solids), tuple(looks),
                                 has_gravity=is_true(link.element.findtext('gravity', '1')),
                                 decay=decay, space=link.space, lights=tuple(lamps)))

@@ -5,22 +5,21 @@ from typing import Any, Dict, List, Optional, Tuple
 
 from img_recog.errors import SimulationError
 from img_recog.files import FindFile
-from img_recog.formats import inertias, lights, materials
+from img_recog.formats import frictions, inertias, lights, materials
 from img_recog.formats.numbers import (read_coefficient, read_lengths, read_number,
                                        read_numbers)
 from img_recog.formats.sdf_frames import pose_of
 from img_recog.formats.sdf_links import bitmask
 from img_recog.formats.texts import is_true, name_of, text_of
 from img_recog.mesh_file import READABLE
-from img_recog.model import (ALL_BITS, BOX, CAPSULE, CYLINDER, MESH, NO_INERTIA, SPHERE, Inertia,
-                             Link, Look, Material, Shape, Solid)
+from img_recog.model import (ALL_BITS, BOX, CAPSULE, CYLINDER, MESH, NO_INERTIA, SPHERE, Friction,
+                             Inertia, Link, Look, Material, Shape, Solid)
 from img_recog.rotations import IDENTITY, Transform, transform
 
 _SIZES = {BOX: (('size', 3),), CYLINDER: (('radius', 1), ('length', 1)), SPHERE: (('radius', 1),),
           CAPSULE: (('radius', 1), ('length', 1))}
 _DRAWN = (BOX, CYLINDER, SPHERE, MESH)
 _NOT_DRAWN = 'got the geometry {}, expected box, cylinder, sphere or mesh'
-_MU = 'surface/friction/ode/mu'
 
 
 def origin_of(element: ElementTree.Element) -> Transform:
@@ -123,29 +122,36 @@ class Links:
         return Shape(kind, size, path)
 
     def _solid(self, link: str, element: ElementTree.Element, shape: Shape,
-               friction: Optional[float]) -> Solid:
-        if friction is None and element.find(_MU) is not None:
-            # Gazebo reads it only in an SDF. Robots whose casters need it have it there: they
-            # drive in Gazebo, whose solver loads the wheels more than PyBullet does.
-            friction = read_coefficient('<mu> of a collision of link ' + link,
-                                        element.findtext(_MU))
+               friction: Optional[Friction]) -> Solid:
+        if friction is None:
+            # Gazebo reads it only in an SDF: who writes it here means it for all directions
+            friction = frictions.of_surface(element, link)
+            if friction is not None and element.find('surface/friction/ode/mu2') is None:
+                friction = Friction(friction.mu)
         bitmasks = [bitmask(collision) for tag in self._tags if tag.get('reference') == link
                     for collision in tag.findall('collision')]
-        return Solid(shape, origin_of(element), friction, bitmask=min([ALL_BITS, *bitmasks]))
+        return Solid(shape, friction=friction, bitmask=min([ALL_BITS, *bitmasks])).moved(
+            origin_of(element))
 
-    def _friction(self, link: ElementTree.Element) -> Optional[float]:
-        """Return that of all shapes of a link: <mu1> of Gazebo's tag for it, or <mu> of a
-        collision there, else PyBullet's <lateral_friction>; None without.
+    def _friction(self, link: ElementTree.Element) -> Optional[Friction]:
+        """Return that of all shapes of a link: <mu1>, <mu2> and <fdir1> of Gazebo's tags for it,
+        or that of a collision there, else PyBullet's <lateral_friction>; None without.
         """
         name = name_of(link)
-        found = [element for path in ('mu1', 'collision/' + _MU) for tag in self._tags
-                 if tag.get('reference') == name for element in tag.findall(path)]
-        if found:
-            return read_coefficient('{} of link {}'.format(found[0].tag, name),
-                                    found[0].get('value') or found[0].text)
+        tags = [tag for tag in self._tags if tag.get('reference') == name]
+
+        def text_of_tag(element: str) -> Optional[str]:
+            found = [each for tag in tags for each in tag.findall(element)]
+            return (found[0].get('value') or found[0].text) if found else None
+
+        found = [frictions.of_texts(text_of_tag, name, 'mu1'),
+                 *(frictions.of_surface(collision, name)
+                   for tag in tags for collision in tag.findall('collision'))]
         of_link = link.find('contact/lateral_friction')
-        return None if of_link is None else read_coefficient(
-            'lateral_friction of link ' + name, of_link.get('value'))
+        if of_link is not None:
+            found.append(Friction(read_coefficient('lateral_friction of link ' + name,
+                                                   of_link.get('value'))))
+        return next((each for each in found if each is not None), None)
 
     def _look(self, link: str, element: ElementTree.Element, owner: ElementTree.Element,
               shape: Shape) -> Look:

@@ -42,7 +42,7 @@ def test_models_sizes_and_the_rest(check, tmp_path):
         Row('simulated', 'drawn', '1 shapes, 12 triangles, 0 mesh files, 0 textures')]
     assert report.problem == ''
     assert [line.split(': ', 1)[1] for line in report.warnings] == [
-        'not simulated: light lamp of world default, plugin libwind.so of world default']
+        'not simulated: plugin libwind.so of world default']
     assert report.is_partial
 
 

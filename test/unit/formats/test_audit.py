@@ -25,9 +25,9 @@ def said(text):
     (LINK.format('<projector/>'), 'not simulated', '<projector> of model m link l'),
     (LINK.format('<pose degres="1">0 0 0 0 0 0</pose>'), 'not known',
      'attribute degres of <pose> of model m link l'),
-    (LINK.format('<collision name="c"><surface><friction><ode><mu>1</mu><mu2>2</mu2></ode>'
+    (LINK.format('<collision name="c"><surface><friction><ode><mu>1</mu><slip1>2</slip1></ode>'
                  '</friction></surface></collision>'),
-     'not simulated', '<mu2> of link l collision c'),
+     'not simulated', '<slip1> of link l collision c'),
     (MODEL.format('<link name="a"/><link name="a"/>'), 'not unique',
      'the name link a of world w model m'),
     (MODEL.format('<link/>'), 'not known', '<link> without a name of world w model m'),
@@ -36,8 +36,8 @@ def said(text):
     (ROBOT.format('<visaul/>', ''), 'not known', '<visaul> of robot r link l'),
     (ROBOT.format('', '<gazebo reference="l"><kinematic>true</kinematic></gazebo>'),
      'not simulated', '<kinematic> of robot r gazebo l'),
-    (ROBOT.format('', '<gazebo reference="l"><mu1 value="1"/><mu2 value="0.5"/></gazebo>'),
-     'not simulated', '<mu2> of robot r gazebo l')])
+    (ROBOT.format('', '<gazebo reference="l"><laserRetro>2</laserRetro></gazebo>'),
+     'not simulated', '<laserRetro> of robot r gazebo l')])
 def test_what_is_said(text, state, words):
     assert said(text) == [(state, words)]
 

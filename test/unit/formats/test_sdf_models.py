@@ -10,7 +10,7 @@ from img_recog import rotations
 from img_recog.formats import sdf_models
 from img_recog.formats.problems import Problems
 from img_recog.formats.world_file import WorldFile
-from img_recog.model import NO_INERTIA, Shape
+from img_recog.model import NO_INERTIA, Friction, Shape
 from img_recog.simulation.physics.client import connect
 from img_recog.simulation.physics.world import World
 from img_recog.simulation.settings import PhysicsSettings
@@ -343,9 +343,13 @@ def test_a_frame_that_is_attached_to_a_joint_without_a_child():
 
 
 @pytest.mark.parametrize('surface, friction', [
-    ('', 1.0), ('<mu>0.25</mu>', 0.25), ('<mu>100</mu><mu2>50</mu2>', 1.0), ('<mu>0</mu>', 0.0),
-    ('<mu>-1</mu>', 1.0)])
-def test_friction_is_that_of_the_first_collision_and_at_most_that_of_the_floor(surface, friction):
-    world = load(FRICTION.format(surface), LINK.format('b', '1 0 0 0 0 0'))
-    assert [pybullet.getDynamicsInfo(body.body_id, -1, physicsClientId=world.physics_client_id)[1]
-            for body in world.bodies] == pytest.approx([friction, 1.0])
+    ('', (1.0, 1.0)), ('<mu>0.25</mu>', (0.25, 1.0)), ('<mu2>0.25</mu2>', (1.0, 0.25)),
+    ('<mu>5</mu><mu2>50</mu2>', (5.0, 50.0)), ('<mu>-1</mu><mu2>0</mu2>', (100.0, 0.0)),
+    ('<mu>1</mu><mu2>1</mu2><fdir1>2 0 0</fdir1>', (1.0, 1.0, (0.0, 2.0, 0.0)))])
+def test_friction_is_that_of_the_collision_with_gazebos_defaults(surface, friction):
+    turned = FRICTION.format(surface).replace('<pose>0.1 0 0 0 0 0</pose>',
+                                              '<pose>0 0 0 0 0 1.5707963267948966</pose>')
+    (first, *others), = ([solid.surface for solid in tree.model.links[0].solids]
+                         for tree in convert(turned))
+    assert (first.mu, first.across, *([first.direction] if first.direction else ())) == friction
+    assert others == [Friction()] * len(others)

@@ -78,15 +78,6 @@ def test_acceleration_from_rest_is_that_of_the_plugin():
     assert 0.4 < sim.vehicles[0].robot.motion().linear[0] < 0.55
 
 
-def test_forward_and_back_with_slipping_wheels_keeps_the_heading():
-    # the demo: full speed ahead and back, where the tyres slide
-    sim = simulator()
-    for speed in (10.0, 0.0, -10.0, 0.0):
-        sim.vehicles[0].command(speed, 0.0)
-        sim.advance(2000)
-    assert abs(yaw_of(sim.vehicles[0].robot.motion())) < 0.2
-
-
 def test_at_the_speed_of_the_article_it_stays_on_its_wheels():
     # the command is 10 m/s: its wheels turn with more than 300 rad/s
     sim = simulator()

@@ -6,7 +6,7 @@ import contextlib
 import os
 import tempfile
 import xml.etree.ElementTree as ElementTree
-from typing import Dict, Iterator, Optional
+from typing import Iterator, Optional
 
 import numpy as np
 import pybullet
@@ -113,10 +113,9 @@ def _add_link(robot: ElementTree.Element, link: Link) -> None:
     element = ElementTree.SubElement(robot, 'link', name=link.name)
     if link.inertia is not None:
         _add_inertia(element, link.inertia)
-    contact = {**link.contact, **_friction(link)}
-    if contact:
+    if link.contact:
         owner = ElementTree.SubElement(element, 'contact')
-        for name, value in contact.items():
+        for name, value in link.contact.items():
             ElementTree.SubElement(owner, name, value=repr(value))
     for solid in link.solids:
         added = ElementTree.SubElement(element, 'collision')
@@ -128,11 +127,6 @@ def _add_link(robot: ElementTree.Element, link: Link) -> None:
         _add_shape(added, look.shape, look.pose)
         if look.material is not None:
             _add_material(added, look.material)
-
-
-def _friction(link: Link) -> Dict[str, float]:
-    given = link.solids[0].friction if link.solids else None
-    return {} if given is None else {'lateral_friction': given}
 
 
 def _add_inertia(link: ElementTree.Element, inertia: Inertia) -> None:

@@ -38,7 +38,7 @@ class DifferentialDrive(Drive):
         self._max_change = settings.wheel_acceleration * settings.drive_period_s
         super().__init__(settings, Motors(
             (*(('left_joint', name) for name in left), *(('right_joint', name) for name in right)),
-            settings.wheel_torque, radius if max(self._counts) > 1 else 0.0))
+            settings.wheel_torque))
 
     def reset(self) -> None:
         """Forget the last command and stand."""

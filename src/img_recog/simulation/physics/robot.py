@@ -5,13 +5,11 @@ import pybullet
 
 from img_recog import rotations
 from img_recog.errors import SimulationError
-from img_recog.model import CONTINUOUS, FLOOR_FRICTION, Model
-from img_recog.simulation.physics import build, tyres
+from img_recog.model import CONTINUOUS, Model
+from img_recog.simulation.physics import build, friction, tyres
 from img_recog.simulation.physics.body import Pose
 from img_recog.simulation.physics.framed_body import FramedBody
 from img_recog.simulation.settings import SpawnSettings
-
-_TYRE_FORCE_N = 1e6         # of the motors that keep tyres in place
 
 
 class JointStates(NamedTuple):
@@ -27,13 +25,11 @@ class Motors(NamedTuple):
     """What drives a robot.
 
     joints: of the wheels, each with the setting that names it; torque: the maximum of a wheel in
-    N m; slip_radius: in m, of wheels that slip when the robot turns, else 0; slides: whether the
-    robot has no friction, because its base itself is moved.
+    N m; slides: whether the robot has no friction, because its base itself is moved.
     """
 
     joints: Sequence[Tuple[str, str]]
     torque: float
-    slip_radius: float = 0.0
     slides: bool = False
 
 
@@ -49,11 +45,9 @@ class SimulatedRobot(FramedBody):
 
         Raises SimulationError when PyBullet cannot load it or a wheel joint is missing.
         """
-        shod = tyres.added(model, [name for _, name in motors.joints], motors.slip_radius)
+        shod = tyres.added(model, [name for _, name in motors.joints])
         super().__init__(build.load(shod, physics_client_id, exact_hulls=True), physics_client_id,
                          model)
-        self._tyres = [self.joints.pop(name) for name in tuple(self.joints)
-                       if name.endswith(tyres.SUFFIX)]
         self.name = model.name
         self.spawn = spawn
         self._wheels = tuple(self._wheel_index(*joint, left_out=model.left_out)
@@ -73,13 +67,6 @@ class SimulatedRobot(FramedBody):
         self.place(Pose((spawn.x_pos, spawn.y_pos, spawn.z_pos),
                         rotations.of_yaw(spawn.yaw), [0.0] * len(self.joints)))
         self.stop_wheels()
-
-    def place(self, pose: Pose) -> None:
-        """Move the parts to `pose`, at rest."""
-        super().place(pose)
-        for tyre in self._tyres:
-            pybullet.resetJointState(self.body_id, tyre, 0.0, 0.0,
-                                     physicsClientId=self.physics_client_id)
 
     def stop_wheels(self) -> None:
         """Let the motors of the wheels hold them."""
@@ -125,35 +112,8 @@ class SimulatedRobot(FramedBody):
         return self.joints[name]
 
     def _set_dynamics(self, model: Model, slides: bool) -> None:
-        coefficients = {link.name: link.coefficient for link in model.links}
-        for name, link in self._link_indices.items():
-            pybullet.changeDynamics(
-                self.body_id, link,
-                lateralFriction=0.0 if slides else coefficients.get(name, FLOOR_FRICTION),
-                physicsClientId=self.physics_client_id)
-        for wheel in self._wheels:
-            pybullet.changeDynamics(
-                self.body_id, wheel, spinningFriction=self._torsional_friction(wheel),
-                physicsClientId=self.physics_client_id)
+        friction.apply(self, model, slides)
         # without friction, nothing would stop a wheel again that turned a little
         held = [self.joints[joint.name] for joint in model.joints
                 if slides and joint.kind == CONTINUOUS and joint.name in self.joints]
         self.release(model.joints, [*self._wheels, *held])
-        for tyre in self._tyres:
-            pybullet.setJointMotorControl2(
-                self.body_id, tyre, pybullet.POSITION_CONTROL, targetPosition=0.0,
-                force=_TYRE_FORCE_N, physicsClientId=self.physics_client_id)
-
-    def _torsional_friction(self, wheel: int) -> float:
-        """Return the spinning friction of a wheel in m (torque per load, N m / N).
-
-        A tyre of width w touches the floor along a line; with even pressure it resists turning
-        about the vertical with the torque mu N w / 4. PyBullet has only one or two contact points
-        on that line and misses the torque: a robot whose wheels slip would spin out.
-        """
-        friction = pybullet.getDynamicsInfo(self.body_id, wheel,
-                                            physicsClientId=self.physics_client_id)[1]
-        shapes = pybullet.getCollisionShapeData(self.body_id, wheel,
-                                                physicsClientId=self.physics_client_id)
-        widths = [shape[3][0] for shape in shapes if shape[2] == pybullet.GEOM_CYLINDER]
-        return friction * max(widths, default=0.0) / 4

@@ -6,10 +6,10 @@ import pybullet
 from img_recog.errors import SimulationError, shortened
 from img_recog.formats.problems import Problems
 from img_recog.formats.world_file import WorldFile
-from img_recog.model import FLOOR_FRICTION, PLANE, Frame, Link, Model, Shape, Solid, Tree
-from img_recog.simulation.physics import build, crowding, standing
+from img_recog.model import PLANE, Frame, Friction, Link, Model, Shape, Solid, Tree
+from img_recog.simulation.physics import build, crowding, friction, standing, tyres
 from img_recog.simulation.physics.body import Body
-from img_recog.simulation.physics.client import all_or_nothing, link_indices
+from img_recog.simulation.physics.client import all_or_nothing
 from img_recog.simulation.physics.forces import Forces
 from img_recog.simulation.physics.framed_body import FramedBody
 from img_recog.simulation.physics.meeting import Meeting
@@ -18,7 +18,7 @@ from img_recog.simulation.settings import PhysicsSettings
 
 # Gazebo's ground_plane, as it is included without a pose
 FLOOR = Tree('ground_plane', Model('ground_plane', (
-    Link('link', solids=(Solid(Shape(PLANE, (100.0, 100.0)), friction=100.0),)),),
+    Link('link', solids=(Solid(Shape(PLANE, (100.0, 100.0)), friction=Friction(100.0, 50.0)),)),),
     frames={'link': Frame('link')}), fixed=True)
 
 
@@ -52,6 +52,8 @@ class World:
         # contacts in a fixed order, so that equal commands give equal trajectories
         pybullet.setPhysicsEngineParameter(deterministicOverlappingPairs=1,
                                            physicsClientId=physics_client_id)
+        friction.set_up(physics_client_id, settings.step_s)
+        self._pairs, self._pairs_revision = friction.Pairs(physics_client_id), -1
         self.floor: Optional[Body] = None
         if file.has_floor:
             (_, self.floor), = load_bodies([FLOOR], physics_client_id)
@@ -152,27 +154,29 @@ class World:
 
     def _set_dynamics(self, body: Body, model: Model) -> None:
         """Set how the links of a body move; model: that it was made of."""
-        coefficients = {link.name: link.coefficient for link in model.links}
-        for name, link in link_indices(body.body_id, self.physics_client_id).items():
-            pybullet.changeDynamics(
-                body.body_id, link, lateralFriction=coefficients.get(name, FLOOR_FRICTION),
-                physicsClientId=self.physics_client_id)
+        friction.apply(body, model)
         body.release(model.joints)
 
     def step(self, count: int = 1) -> None:
         """Advance the physics by a number of steps."""
+        if self._pairs_revision != self.revision:
+            self._pairs_revision = self.revision
+            self._pairs.refresh()
         # local names: this is the innermost loop
         step, physics_client_id = pybullet.stepSimulation, self.physics_client_id
-        acting = tuple(self._forces.values())
+        acting, pairs = tuple(self._forces.values()), self._pairs
         for _ in range(count):
             for forces in acting:
                 forces.apply()
+            if pairs.needs_updates:
+                pairs.update()
             step(physicsClientId=physics_client_id)
 
     def reset(self) -> None:
         """Move all bodies back to where they were when they were added, at rest."""
         for body in self.bodies:
             body.reset()
+        self._pairs.reset()
 
     def notify_changed(self) -> None:
         """Call after a body was added or removed."""
@@ -202,8 +206,8 @@ def load_bodies(trees: Sequence[Tree], physics_client_id: int, visuals: bool = F
             is_first |= tree.first
             try:
                 body = FramedBody(
-                    build.load(tree.model, physics_client_id, tree.fixed, tree.pose, visuals,
-                               problems), physics_client_id, tree.model, tree.fixed)
+                    build.load(tyres.added(tree.model), physics_client_id, tree.fixed, tree.pose,
+                               visuals, problems), physics_client_id, tree.model, tree.fixed)
             except SimulationError as error:
                 refused = SimulationError('model {}: {}'.format(
                     shortened(tree.name), error.problem), error.advice)

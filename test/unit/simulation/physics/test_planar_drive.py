@@ -60,7 +60,7 @@ def test_stands_without_a_command_and_after_a_reset():
 def test_counts_where_it_is_and_drives_no_joints():
     drive = PlanarDrive(DriveSettings())
     assert drive.encoders(Base()) == pytest.approx((1.0, 2.0, YAW))
-    assert drive.motors == Motors((), 0.0, slip_radius=0.0, slides=True)
+    assert drive.motors == Motors((), 0.0, slides=True)
 
 
 # the second turn goes over the back

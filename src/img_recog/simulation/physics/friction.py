@@ -1,0 +1,188 @@
+"""Contacts and friction like ODE's, with which Gazebo simulates.
+
+Of two surfaces, ODE takes the lower coefficient; PyBullet multiplies them. So what never moves has
+at most 1, and what moves its own coefficient: their product is the lower of the two wherever no
+more than one is below 1 or above. Where others can meet, those that do are looked at now and then,
+and what moves gets the coefficient that makes the product right with what bears it.
+
+ODE's friction is a pyramid: the coefficient holds along each of two directions by itself. Without
+that, PyBullet weighs them by the mass that moves along each, and a skid-steered robot does not
+turn. `mu2` scales one of them, along an axis of the link that is nearest to it.
+
+What stands on more than three points has the same load on all, as ODE has it, only if the contacts
+give way a little: all are springs, with a stiffness for the mass of the body if that is high.
+"""
+import itertools
+from typing import Dict, List, NamedTuple, Optional, Set, Tuple
+
+import numpy as np
+import pybullet
+
+from img_recog import rotations
+from img_recog.model import CONTINUOUS, FLOOR_FRICTION, REVOLUTE, Friction, Model
+from img_recog.simulation.physics.body import Body
+from img_recog.simulation.physics.client import body_ids, link_indices
+from img_recog.simulation.physics.wheels import axis_of
+
+# of a contact: so much damping that nothing vibrates
+_STIFFNESS_N_M, _DAMPING_N_S_M = 1e5, 1e5
+# for each kg of a body with joints: so low that its load is spread over its wheels
+_JOINTED_N_M, _JOINTED_N_S_M = 1e4, 2e3
+_PERIOD_STEPS = 10
+_PARALLEL = 0.7
+_MEAN_COSINE = 2 / np.pi        # of the angle between the floor and a direction that turns
+_EPSILON = 1e-6
+
+_Link = Tuple[int, int]         # PyBullet's numbers of a body and of a link of it
+
+
+def set_up(physics_client_id: int, step_s: float) -> None:
+    """Set how contacts are solved in a client without bodies."""
+    total = step_s * _STIFFNESS_N_M + _DAMPING_N_S_M
+    pybullet.setPhysicsEngineParameter(
+        enableConeFriction=0, globalCFM=1 / total, contactERP=step_s * _STIFFNESS_N_M / total,
+        physicsClientId=physics_client_id)
+
+
+def apply(body: Body, model: Model, slides: bool = False) -> None:
+    """Give the links of a body the friction of its model, and its contacts their stiffness.
+
+    slides: whether it has no friction, whatever the model says.
+    """
+    client = {'physicsClientId': body.physics_client_id}
+    given = {link.name: link.surface for link in model.links}
+    axles = {joint.child: axis_of(joint) for joint in model.joints
+             if joint.kind in (CONTINUOUS, REVOLUTE)}
+    mass = body.mass() if body.joints and not body.fixed else 0.0
+    for name, link in link_indices(body.body_id, body.physics_client_id).items():
+        friction = Friction(0.0) if slides else given.get(name, Friction())
+        pybullet.changeDynamics(
+            body.body_id, link, lateralFriction=friction.largest,
+            anisotropicFriction=_scales(
+                body, link, friction.at_most(FLOOR_FRICTION) if body.fixed and link == -1
+                else friction, axles.get(name)), **client)
+        if mass:
+            pybullet.changeDynamics(
+                body.body_id, link, contactStiffness=mass * _JOINTED_N_M,
+                contactDamping=mass * _JOINTED_N_S_M, **client)
+
+
+def _scales(body: Body, link: int, friction: Friction, axle: Optional[np.ndarray]) -> List[float]:
+    """Return by what friction is scaled along the axes of a link's center of mass.
+
+    axle (3,): of a link that turns, a unit vector. Without a direction, mu holds along y of the
+    world and mu2 along x, as on a floor in ODE, at the heading with which the body was loaded.
+    """
+    if friction.mu == friction.across and not friction.direction:
+        return [1.0, 1.0, 1.0]
+    client = {'physicsClientId': body.physics_client_id}
+    if not friction.direction:
+        turned = (pybullet.getBasePositionAndOrientation(body.body_id, **client) if link == -1 else
+                  pybullet.getLinkState(body.body_id, link, computeForwardKinematics=1,
+                                        **client))[1]
+        scales = np.full(3, friction.mu)
+        scales[np.argmax(np.abs(rotations.matrix(turned)[0]))] = friction.across
+        return (scales / friction.largest).tolist()
+    to_center = rotations.matrix(pybullet.getDynamicsInfo(body.body_id, link, **client)[4]).T
+    direction = np.array(friction.direction) / np.linalg.norm(friction.direction)
+    scales = np.full(3, friction.across)
+    if axle is not None and abs(axle @ direction) < _PARALLEL:
+        # The direction turns with the wheel, and is not always along the floor: then friction is
+        # weaker in ODE, by the cosine of the angle, both along and across.
+        scales = np.full(3, friction.mu * (2 * _MEAN_COSINE - 1))
+        scales[np.argmax(np.abs(to_center @ axle))] = friction.across * _MEAN_COSINE
+    scales[np.argmax(np.abs(to_center @ direction))] = friction.mu
+    return (scales / friction.largest).tolist()
+
+
+class _Surface(NamedTuple):
+    """Its coefficient in the file, whether it never moves, and the coefficient it starts with."""
+
+    friction: float
+    fixed: bool
+    start: float
+
+
+class Pairs:
+    """The surfaces in a client, some of which need another coefficient where they touch."""
+
+    def __init__(self, physics_client_id: int):
+        self._client = {'physicsClientId': physics_client_id}
+        self._surfaces: Dict[_Link, _Surface] = {}
+        self._steps = 0
+        self._changed: Dict[_Link, float] = {}
+
+    def refresh(self) -> None:
+        """Look for bodies that were added or removed."""
+        before, self._surfaces = self._surfaces, {}
+        for body in body_ids(self._client['physicsClientId']):
+            fixed = pybullet.getDynamicsInfo(body, -1, **self._client)[0] == 0
+            for link in range(-1, pybullet.getNumJoints(body, **self._client)):
+                found = before.get((body, link))
+                if found is None:
+                    friction = pybullet.getDynamicsInfo(body, link, **self._client)[1]
+                    never_moves = fixed and link == -1
+                    found = _Surface(friction, never_moves, min(friction, FLOOR_FRICTION)
+                                     if never_moves else friction)
+                    if found.start != friction:
+                        self._set((body, link), found.start)
+                self._surfaces[body, link] = found
+        self._changed = {link: value for link, value in self._changed.items()
+                         if link in self._surfaces}
+        self.needs_updates = self._can_differ()
+
+    def _can_differ(self) -> bool:
+        """Return whether two surfaces can meet of which the product is not the lower one."""
+        bodies: Dict[_Surface, Set[int]] = {}
+        for (body, _), surface in self._surfaces.items():
+            bodies.setdefault(surface, set()).add(body)
+        return any(
+            not (a.fixed and b.fixed) and len(bodies[a] | bodies[b]) > 1
+            and abs(a.start * b.start - min(a.friction, b.friction)) > _EPSILON
+            for a, b in itertools.combinations_with_replacement(bodies, 2))
+
+    def reset(self) -> None:
+        """Forget what touched: to be called when everything was moved back to its start."""
+        self._steps = 0
+        for link in self._changed:
+            self._set(link, self._surfaces[link].start)
+        self._changed = {}
+
+    def update(self) -> None:
+        """To be called before each step, if `needs_updates`."""
+        # also in each of the first ones, in which things come to rest on others
+        if self._steps < _PERIOD_STEPS or self._steps % _PERIOD_STEPS == 0:
+            self._set_touching()
+        self._steps += 1
+
+    def _set_touching(self) -> None:
+        """Give each surface that moves the coefficient that is right with what bears it most."""
+        forces: Dict[_Link, Dict[_Link, float]] = {}
+        for contact in pybullet.getContactPoints(**self._client):
+            ends = (contact[1], contact[3]), (contact[2], contact[4])
+            for one, other in (ends, ends[::-1]):
+                of_one = forces.setdefault(one, {})
+                of_one[other] = of_one.get(other, 0.0) + contact[9]
+        wanted: Dict[_Link, float] = {}
+        for link in sorted(forces):
+            if not self._surfaces[link].fixed:
+                other = max(sorted(forces[link]), key=forces[link].__getitem__)
+                value = self._value(link, other, wanted)
+                if value != self._surfaces[link].start:
+                    wanted[link] = value
+        for link in {*wanted, *self._changed}:
+            value = wanted.get(link, self._surfaces[link].start)
+            if value != self._changed.get(link, self._surfaces[link].start):
+                self._set(link, value)
+        self._changed = wanted
+
+    def _value(self, link: _Link, other: _Link, wanted: Dict[_Link, float]) -> float:
+        surface, against = self._surfaces[link], self._surfaces[other]
+        of_other = wanted.get(other, against.start)
+        lower = min(surface.friction, against.friction)
+        if abs(surface.start * of_other - lower) < _EPSILON or not of_other:
+            return surface.start
+        return lower / of_other
+
+    def _set(self, link: _Link, value: float) -> None:
+        pybullet.changeDynamics(*link, lateralFriction=value, **self._client)

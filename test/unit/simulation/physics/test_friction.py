@@ -1,0 +1,137 @@
+"""What slides, sticks and turns, against what the same does in Gazebo 11 (recorded figures)."""
+import math
+import re
+
+import pybullet
+import pytest
+
+from img_recog import rotations
+from img_recog.checks.simulation_run import Options, Run
+from img_recog_testing.wheeled import assembled, plugin, robot, velocity
+
+WORLD = ('<sdf version="1.6"><world name="w"><include><uri>model://ground_plane</uri></include>{}'
+         '</world></sdf>')
+BOX = ('<model name="{name}"><static>{static}</static><pose>{pose}</pose><link name="l"><inertial>'
+       '<mass>1</mass><inertia><ixx>0.00833</ixx><iyy>0.00833</iyy><izz>0.015</izz></inertia>'
+       '</inertial><collision name="c"><geometry><box><size>{size}</size></box></geometry>'
+       '<surface><friction><ode>{friction}</ode></friction></surface></collision></link></model>')
+DRIVE = plugin('gazebo_ros_diff_drive', leftJoint='left_0_joint', rightJoint='right_0_joint',
+               wheelTorque=20)
+SKID = plugin('gazebo_ros_skid_steer_drive', leftFrontJoint='left_0_joint', torque=20,
+              leftRearJoint='left_1_joint', rightFrontJoint='right_0_joint',
+              rightRearJoint='right_1_joint', robotBaseFrame='base_link')
+
+
+def mu(first, second=None, more=''):
+    return '<mu>{}</mu><mu2>{}</mu2>{}'.format(first, first if second is None else second, more)
+
+
+def box(friction, pose='0 0 0.05 0 0 0', name='b', size='0.3 0.3 0.1', static='0'):
+    return BOX.format(name=name, friction=friction, pose=pose, size=size, static=static)
+
+
+def moved(tmp_path, models, seconds, velocity=''):
+    """Return where a box b is after a time, x and y in m; velocity: of it at the start."""
+    path = tmp_path / 'w.sdf'
+    path.write_text(WORLD.format(models))
+    lines = list(Run(Options(str(path), until_s=seconds, every_s=seconds,
+                             velocity=['b=' + velocity] if velocity else [])).lines())
+    return next(line for line in lines[::-1] if 'links' in line)['links']['b::l'][:2]
+
+
+@pytest.mark.parametrize('degrees, slope, sliding, x', [
+    (20, mu(1), mu(0.3), 0.6403), (20, mu(0.3), mu(1), 0.6403), (20, mu(0.3), mu(0.3), 0.6403),
+    (30, mu(0.5), mu(0.4), 1.4924), (30, mu(0.4), mu(0.5), 1.4924), (20, mu(1), mu(0.5), 0.0171),
+    (50, mu(3), mu(1), 0.9124), (50, mu(3), mu(1.5), 0.0413), (50, mu(3), mu(3), 0.0383),
+    (50, mu(1), mu(3), 0.9124)])
+def test_of_two_surfaces_the_lower_coefficient_counts(degrees, slope, sliding, x, tmp_path):
+    angle = math.radians(degrees)
+    sine, cosine = math.sin(angle), math.cos(angle)
+    poses = ['{} 0 {} 0 {} 0'.format(away * sine, 5 + away * cosine, angle)
+             for away in (-0.05, 0.05)]
+    models = box(slope, poses[0], 'slope', '20 0.8 0.1', '1') + box(sliding, poses[1])
+    assert moved(tmp_path, models, 1.5)[0] == pytest.approx(x, abs=0.01)
+
+
+@pytest.mark.parametrize('friction, speed, place', [
+    (mu(0.3), '3,0,0', (1.5291, 0)), (mu(0.3), '2.1213203,2.1213203,0', (0.7642, 0.7642)),
+    # without a direction, mu is along y and mu2 along x; mu2 is 1 by default
+    (mu(0.1, 0.6), '2,0,0', (0.3391, 0)), (mu(0.6, 0.1), '2,0,0', (2.039, 0)),
+    (mu(0.1, 0.6), '0,2,0', (0, 2.039)), ('<mu>0.1</mu>', '2,0,0', (0.203, 0)),
+    ('<mu>0.1</mu>', '0,2,0', (0, 2.039)),
+    (mu(0.1, 0.6, '<fdir1>1 0 0</fdir1>'), '2,0,0', (2.039, 0)),
+    (mu(0.1, 0.6, '<fdir1>0 1 0</fdir1>'), '2,0,0', (0.3391, 0))])
+def test_how_far_a_box_slides(friction, speed, place, tmp_path):
+    assert moved(tmp_path, box(friction), 2.0, speed) == pytest.approx(place, rel=0.02, abs=0.006)
+
+
+def with_tags(urdf, reference, tags):
+    return urdf.replace('</robot>', '<gazebo reference="{}">{}</gazebo></robot>'.format(
+        reference, tags))
+
+
+def without_mu(urdf):
+    """Return a robot whose casters have the default friction."""
+    return re.sub('<gazebo reference="caster.*?</gazebo>', '', urdf)
+
+
+def along_the_axle(urdf):
+    """Return a robot whose wheels slip easily along their axles, at any heading."""
+    for wheel in ('left_0', 'right_0', 'left_1', 'right_1'):
+        urdf = with_tags(urdf, wheel, '<mu1>0.2</mu1><mu2>1</mu2><fdir1>0 0 1</fdir1>')
+    return urdf
+
+
+def turn_rate(urdf, heading):
+    simulator = assembled(urdf).simulator
+    body = simulator.vehicles[0].robot
+    body.place(body.pose()._replace(orientation=rotations.of_yaw(heading)))
+    return velocity(simulator, 0.0, 1.5, settle_s=1.5, seconds=2.5)[2]
+
+
+ONE_CASTER = robot(DRIVE, casters=(-0.13,))
+
+
+@pytest.mark.parametrize('urdf, rate', [
+    (robot(DRIVE), 1.3637), (ONE_CASTER, 1.3637), (without_mu(ONE_CASTER), 1.3637)])
+def test_casters_do_not_keep_a_robot_from_turning(urdf, rate):
+    assert turn_rate(urdf, 0.0) == pytest.approx(rate, rel=0.02)
+
+
+@pytest.mark.parametrize('casters', [(0.17, -0.17), (-0.17,)])
+def test_casters_of_default_friction_do_not_hold_a_robot(casters):
+    urdf = without_mu(robot(DRIVE, casters=casters)).replace(
+        '<sphere radius="0.02"/>', '<sphere radius="0.05"/>').replace(' 0 0.02"', ' 0 0.05"')
+    # Gazebo: 0.4924
+    assert velocity(assembled(urdf).simulator, 0.5)[0] == pytest.approx(0.4924, rel=0.02)
+
+
+# Gazebo: means over the headings 0, 0.4 and 0.785
+@pytest.mark.parametrize('half_base, rate', [(0.1, 1.155), (0.15, 0.934), (0.2, 0.422)])
+def test_how_fast_a_skid_steered_robot_turns_on_the_mean(half_base, rate):
+    urdf = robot(SKID, rows=(half_base, -half_base))
+    rates = [turn_rate(urdf, heading) for heading in (0.0, 0.4, 0.785)]
+    assert sum(rates) / 3 == pytest.approx(rate, rel=0.22)
+
+
+@pytest.mark.parametrize('heading', [0.0, 0.4])
+def test_a_direction_of_friction_turns_with_the_wheels(heading):
+    urdf = along_the_axle(robot(SKID, rows=(0.2, -0.2)))
+    assert turn_rate(urdf, heading) == pytest.approx(1.365, rel=0.06)
+
+
+def test_what_touched_is_forgotten_on_a_reset(tmp_path):
+    path = tmp_path / 'w.sdf'
+    path.write_text(WORLD.format(
+        box(mu(0.5), '0 0 0.05 0 0 0', 'low', '1 1 0.1') + box(mu(0.4), '0 0 0.15 0 0 0')))
+    simulator = Run(Options(str(path)))._simulator
+    client = {'physicsClientId': simulator.world.physics_client_id}
+    body = simulator.world.bodies[1].body_id
+
+    def coefficient():
+        return pybullet.getDynamicsInfo(body, -1, **client)[1]
+
+    simulator.advance(50)
+    assert coefficient() == pytest.approx(0.4 / 0.5)
+    simulator.reset_world()
+    assert coefficient() == pytest.approx(0.4)
