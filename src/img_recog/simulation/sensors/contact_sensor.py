@@ -68,12 +68,20 @@ class ContactSensor(Sensor):
                origin: np.ndarray) -> Touch:
         own, body, link = part
         normals = np.array([point[7] for point in points])
-        forces = np.array([np.multiply(point[9], point[7]) + np.multiply(point[10], point[11])
-                           + np.multiply(point[12], point[13]) for point in points])
+        forces = np.array([force_of(point) for point in points])
         return Touch('{}::{}'.format(self._robot.name, self._surfaces[own]),
                      _name_of(body, link, self._robot.physics_client_id),
                      np.array([point[5] for point in points]), normals,
                      np.array([max(0.0, -point[8]) for point in points]), forces, origin)
+
+
+def force_of(point: tuple) -> np.ndarray:
+    """Return the force (3,) on the first body of a contact."""
+    normal, first, second = (np.array(point[index]) for index in (7, 11, 13))
+    # Where PyBullet has the bodies in the other order, it turns the normal only. By that, the
+    # directions of friction are right-handed or left-handed.
+    own = np.sign(np.cross(first, second) @ normal)
+    return point[9] * normal + own * (point[10] * first + point[12] * second)
 
 
 def _name_of(body: int, link: int, client: int) -> str:

@@ -1,10 +1,12 @@
 """A bumper that is fixed to a robot against a wall, and what else touches that robot."""
 import numpy as np
+import pybullet
 import pytest
 
 from img_recog.conversions.sensor_table import SENSORS
 from img_recog.formats import world_file
 from img_recog.simulation import assembly
+from img_recog.simulation.sensors import contact_sensor
 from img_recog.simulation.settings import PhysicsSettings
 from img_recog_testing import robots
 
@@ -51,9 +53,9 @@ def test_a_bumper_reports_the_wall_and_neither_the_floor_nor_other_parts(simulat
     assert touch.normals == pytest.approx(np.tile([-1, 0, 0], (len(touch.positions), 1)), abs=0.02)
     assert touch.forces[:, 0].sum() < -0.5
     assert touch.depths.min() >= 0 and touch.depths.max() < 0.003
-    vehicle.command(0.2, 0.5)       # it rubs along the wall to the left
-    forces = touches(simulator, 40)[-1][0].forces
-    assert -0.5 < forces[:, 1].sum() / -forces[:, 0].sum() < -0.02
+    vehicle.command(0.05, 1.5)      # it rubs along the wall to the left
+    forces = np.concatenate([touch.forces for found in touches(simulator, 200) for touch in found])
+    assert -1.0 < forces[:, 1].sum() / -forces[:, 0].sum() < -0.02
     vehicle.command(-0.2, 0.0)
     assert touches(simulator, 1000)[-1] == []
     vehicle.move_to(0.775, 0.0, 0.0)        # 5 mm from the wall
@@ -75,3 +77,23 @@ def test_without_its_message_a_bumper_is_reported_with_the_reason():
         'robot', kinds)
     assert 'sensor contact (no x)' in robot.not_simulated
     assert 'contact' not in assembly.default_settings(robot).sensors
+
+
+@pytest.mark.parametrize('names', [('slides', 'floor'), ('floor', 'slides')])
+def test_friction_is_against_the_slide_in_any_order_of_the_bodies(names):
+    client = {'physicsClientId': pybullet.connect(pybullet.DIRECT)}
+    try:
+        pybullet.setGravity(0, 0, -10, **client)
+        shape = pybullet.createCollisionShape(pybullet.GEOM_BOX, halfExtents=(0.5, 0.5, 0.05),
+                                              **client)
+        bodies = {name: pybullet.createMultiBody(
+            name == 'slides', shape, -1, (0, 0, 0.05 if name == 'slides' else -0.05), **client)
+            for name in names}
+        pybullet.stepSimulation(**client)
+        pybullet.resetBaseVelocity(bodies['slides'], (1, 0, 0), **client)
+        pybullet.stepSimulation(**client)
+        force = sum(contact_sensor.force_of(point) for point in pybullet.getContactPoints(
+            bodies['slides'], bodies['floor'], **client))
+    finally:
+        pybullet.disconnect(**client)
+    assert force[0] < -1 and force[2] > 1
