@@ -160,7 +160,7 @@ def test_damping_beyond_what_is_stable_gets_a_line_and_ends_nowhere():
 
 
 def test_each_link_of_a_world_has_its_own_friction():
-    mu = '<surface><friction><ode><mu>{}</mu></ode></friction></surface>'
+    mu = '<surface><friction><ode><mu>{0}</mu><mu2>{0}</mu2></ode></friction></surface>'
     simulator = simulated('<model name="m">{}{}<joint name="j" type="revolute"><parent>a</parent>'
                           '<child>b</child><axis><xyz>0 0 1</xyz></axis></joint></model>'.format(
                               BOX.format(name='a', pose='0 0 1', surface=mu.format(0.1), link=''),

@@ -44,7 +44,7 @@ def fallen(world, name, seconds):
     ([], '0 0 1', 1, (0, 0, -3.9049))])
 def test_where_a_ball_comes_to_rest(tmp_path, models, ball, seconds, position):
     world = build(tmp_path, *models, BALL.format(ball + ' 0 0 0'))
-    assert fallen(world, 'ball', seconds) == pytest.approx(position, abs=2e-3)
+    assert fallen(world, 'ball', seconds) == pytest.approx(position, abs=4e-3)
 
 
 def test_the_plane_of_what_moves_stays(tmp_path):
