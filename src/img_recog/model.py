@@ -371,7 +371,8 @@ class Tree(NamedTuple):
 
     name: of the model, with ::LINK for those after the first; pose: of the root link in the
     world; fixed: whether that never moves; in_model: the pose of the root link in the frame of the
-    model; first: whether it is the first of its model.
+    model; first: whether it is the first of its model; positions: of joints at the start, in rad
+    or m, by name.
     """
 
     name: str
@@ -380,6 +381,7 @@ class Tree(NamedTuple):
     fixed: bool = False
     in_model: Transform = IDENTITY
     first: bool = True
+    positions: Mapping[str, float] = {}
 
 
 class Visual(NamedTuple):

@@ -142,7 +142,8 @@ def _boolean(element: ElementTree.Element, place: str) -> Iterator[_Found]:
 
 def _pose(element: ElementTree.Element, place: str) -> Iterator[_Found]:
     for name in element.keys():
-        if name not in ('relative_to', 'frame', 'degrees', 'rotation_format'):
+        # since 1.9, a pose is read with degrees and rotation_format, which are gone then
+        if name not in ('relative_to', 'frame'):
             yield NOT_KNOWN, 'attribute {} of <pose>'.format(name), place
 
 
@@ -159,6 +160,8 @@ def _names(element: ElementTree.Element, place: str) -> Iterator[_Found]:
             if (child.tag, name) in seen:
                 yield NOT_UNIQUE, 'the name {}'.format(_label(child)), place
             seen.add((child.tag, name))
+    if element.tag == 'model' and element.get('placement_frame'):
+        yield NOT_SIMULATED, 'placement_frame', place
     if element.tag == 'sdf':
         for world in element.findall('world')[1:]:
             yield NOT_USED, 'second ' + _label(world), place

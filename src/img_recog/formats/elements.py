@@ -72,9 +72,9 @@ SENSORS: Dict[str, Row] = {
 SDF: Dict[str, Row] = {
     **SENSORS,
     'sdf': Row('world model', 'light', not_simulated='actor'),
-    'world': Row('model include population road gravity physics state gui', 'scene light',
+    'world': Row('model include population road gravity physics state gui frame', 'scene light',
                  'audio spherical_coordinates magnetic_field atmosphere wind',
-                 'actor joint frame plugin',
+                 'actor joint plugin',
                  why='nothing here hears, measures or feels them'),
     'physics': Row('gravity', no_effect='real_time_factor real_time_update_rate max_contacts ode '
                    'bullet simbody dart magnetic_field provide_feedback',
@@ -91,8 +91,9 @@ SDF: Dict[str, Row] = {
     'gui/camera': Row('pose', no_effect='view_controller track_visual projection_type name'),
     'state': Row('model', no_effect='sim_time wall_time real_time iterations',
                  not_simulated='insertions deletions light joint', why='time begins at 0'),
-    'state/model': Row('pose', no_effect='scale link', not_simulated='joint model',
-                       why='of a link, the pose in its model is that of its description'),
+    'state/model': Row('pose link', no_effect='scale', not_simulated='joint model'),
+    'state/model/link': Row('pose', no_effect='acceleration wrench',
+                            not_simulated='velocity=0,0,0,0,0,0', why='they follow'),
     'model': Row('static pose link joint include model frame sensor self_collide',
                  no_effect='allow_auto_disable enable_wind light',
                  not_simulated='gripper plugin', why='nothing falls asleep here, there is no '

@@ -3,20 +3,24 @@ import copy
 import os
 import re
 import xml.etree.ElementTree as ElementTree
-from typing import Callable, Dict, List, NamedTuple, Optional, Sequence, Set, Tuple
+from typing import Dict, List, NamedTuple, Optional, Sequence, Set, Tuple
 from urllib.parse import unquote
 
 import numpy as np
 
 from img_recog.errors import SimulationError
-from img_recog.files import FindFile, plain
-from img_recog.formats import lights, sdf_frames, sdf_models, sdf_populations, sdf_roads
+from img_recog.files import FindFile
+from img_recog.formats import (lights, sdf_frames, sdf_models, sdf_populations, sdf_roads,
+                               sdf_states)
 from img_recog.formats.audit import NOT_USED
 from img_recog.formats.numbers import read_numbers
 from img_recog.formats.problems import NOT_DOWNLOADED, Problems
-from img_recog.formats.sdf_joints import Version
-from img_recog.formats.texts import name_of, text_of
-from img_recog.markup import MarkupError, parse_xml, read_bytes
+from img_recog.formats.sdf_files import find_above, find_relative, model_file, parsed, version_of
+from img_recog.formats.sdf_frames import Scope
+from img_recog.formats.sdf_joints import INCLUDED, Version
+from img_recog.formats.sdf_states import Starts
+from img_recog.formats.texts import is_true, name_of, text_of
+from img_recog.markup import parse_xml
 from img_recog.model import SUN, Light, Surroundings, Tree
 from img_recog.rotations import Transform
 
@@ -39,7 +43,7 @@ _GROUND_PLANE_XML = '''
   </visual>
 </link></model>'''
 _MAX_NESTED, _MAX_INCLUDED = 100, 5000     # models in one another; included ones in total
-_VERSION = re.compile('[0-9]{1,9}([.][0-9]{1,9})*')
+_Found = Tuple[ElementTree.Element, Version, str]
 _URLS = ('http://', 'https://', 'ftp://')
 
 
@@ -67,12 +71,17 @@ def read(root: ElementTree.Element, path: str, find: FindFile, problems: Problem
     """
     world = root.find('world')
     reader = _Reader(find, problems, has_floor=world is None)
-    reader.read(root if world is None else world, _version(root), path, (os.path.abspath(path),))
+    reader.read(root if world is None else world, version_of(root), path, (os.path.abspath(path),))
     gravity, camera, surroundings = None, None, Surroundings()
     if world is not None:
         with problems.left_out():
             text = world.findtext('gravity')
-            text = world.findtext('physics/gravity') if text is None else text
+            in_physics = world.findtext('physics/gravity')
+            if text is None and in_physics is not None and version_of(root) >= (1, 6):
+                problems.add_finding(NOT_USED, '<gravity> in <physics>, since SDF 1.6',
+                                     'the world')        # as in Gazebo
+            elif text is None:
+                text = in_physics
             gravity = None if text is None else read_numbers('<gravity>', text, 3)
         with problems.left_out():
             element = world.find('gui/camera')
@@ -101,41 +110,51 @@ class _Reader:
     def read(self, parent: ElementTree.Element, version: Version, path: str,
              stack: Sequence[str]) -> None:
         """Add the models in a <world> or an <sdf>."""
-        state = parent.find('state')
+        # with their versions and files, in their order; relative to what else is in the world
+        found: List[_Found] = []
         for element in list(parent):
             with self._problems.left_out():
                 if element.tag == 'include':
-                    included = self._included(element, path, stack)
-                    if included is not None:
-                        self._add(*included, state)
-                elif element.tag == 'model':
-                    model = copy.deepcopy(element)
-                    self._expand(model, path, stack)
-                    self._add(model, version, path, state)
+                    found += self._included(element, path, stack)
                 elif element.tag == 'light':
                     self._add_light(element)
-                elif element.tag == 'population':
-                    for model in sdf_populations.models(element):
+                elif element.tag in ('model', 'population'):
+                    for model in (sdf_populations.models(element) if element.tag == 'population'
+                                  else [copy.deepcopy(element)]):
                         self._expand(model, path, stack)
-                        self._add(model, version, path, state)
+                        found.append((model, version, path))
                 elif element.tag == 'road':
                     self.trees.append(sdf_roads.tree(element, self._finder(path), self._problems))
                 elif element.tag == 'actor':
                     raise SimulationError('actor {}'.format(name_of(element)).strip())
+        frames = ElementTree.Element('world', name='the world')
+        frames.extend([*parent.findall('frame'), *(model for model, _, _ in found)])
+        scope = Scope(frames, self._problems)
+        poses = []
+        for model in filter(_is_relative, (model for model, _, _ in found)):
+            with self._problems.left_out():
+                poses.append((model, scope.pose(model)))
+        for model, pose in poses:
+            sdf_frames.set_pose(model, pose)
+        for each in found:
+            self._add(*each, parent.find('state'))
 
     def _add(self, model: ElementTree.Element, version: Version, path: str,
              state: Optional[ElementTree.Element]) -> None:
         name = name_of(model)
+        starts: Starts = {}
         if name in self._names:         # Gazebo does not insert it either
             self._problems.add_finding(NOT_USED, 'second model ' + name, path)
             return
         self._names.add(name)
         with self._problems.left_out():
-            sdf_frames.apply_state(model, state)
+            starts = sdf_states.apply(model, state)
         if not self.has_floor and path == name == _GROUND_PLANE and _is_in_place(model):
             self.has_floor = True
             return
-        self.trees += sdf_models.trees(model, version, self._finder(path), self._problems)
+        with self._problems.left_out():
+            self.trees += sdf_models.trees(model, version, self._finder(path), self._problems,
+                                           starts)
 
     def _add_light(self, element: ElementTree.Element) -> None:
         # of two with one name, Gazebo ends
@@ -143,8 +162,8 @@ class _Reader:
                                                               sdf_frames.pose_of(element)))
 
     def _included(self, include: ElementTree.Element, path: str, stack: Sequence[str]
-                  ) -> Optional[Tuple[ElementTree.Element, Version, str]]:
-        """Return the model of an <include>, its version of SDF and its file; None for none.
+                  ) -> List[_Found]:
+        """Return the model of an <include>, its version of SDF and its file; [] for a light.
 
         Raises SimulationError when it cannot be had.
         """
@@ -152,19 +171,19 @@ class _Reader:
         built_in = _BUILT_IN.fullmatch(unquote(uri))
         if built_in:
             if built_in.group(1).lower() != _SUN:
-                return (_changed(parse_xml(_GROUND_PLANE_XML), include, ('pose', 'static')),
-                        (1, 6), _GROUND_PLANE)
+                return [(_changed(parse_xml(_GROUND_PLANE_XML), include, ('pose', 'static')),
+                         (1, 6), _GROUND_PLANE)]
             self.lights.setdefault(text_of(include, 'name') or _SUN,
                                    SUN._replace(pose=sdf_frames.pose_of(include)))
-            return None
+            return []
         if uri.startswith(_URLS):
             raise SimulationError('{} ({})'.format(uri, NOT_DOWNLOADED))
         found = self._finder(path)(uri)
-        file = None if found is None else _model_file(found)
+        file = None if found is None else model_file(found)
         if file is None:
             raise SimulationError(uri or 'an <include> without a <uri>')
         self._check_include(file, stack)
-        root = _parsed(file)
+        root = parsed(file)
         if file not in self._audited:
             self._audited.add(file)
             self._problems.audit(root)
@@ -174,9 +193,9 @@ class _Reader:
             if light is None:
                 raise SimulationError('{}, which it includes, has no <model>'.format(file))
             self._add_light(_changed(light, include, ('pose',)))
-            return None
+            return []
         self._expand(model, file, (*stack, file))
-        return _changed(model, include, ('pose', 'static')), _version(root), file
+        return [(_changed(model, include, ('pose', 'static')), version_of(root), file)]
 
     def _check_include(self, file: str, stack: Sequence[str]) -> None:
         """Raise SimulationError unless a file can be included; stack: the files it stands in."""
@@ -197,9 +216,11 @@ class _Reader:
         for include in model.findall('include'):
             model.remove(include)
             with self._problems.left_out():
-                included = self._included(include, path, stack)
-                if included is not None:
-                    model.append(included[0])
+                for included, _, _ in self._included(include, path, stack):
+                    included.set(INCLUDED, '1')
+                    if is_true(included.findtext('static')):        # as in Gazebo
+                        _replace(model, 'static', included)
+                    model.append(included)
         for nested in inside:
             with self._problems.left_out():
                 self._expand(nested, path, stack)
@@ -219,7 +240,7 @@ class _Reader:
         def find(uri: str) -> Optional[str]:
             found = relative(uri)
             if found is None and uri.startswith(_MODEL_URI):
-                return _find_above(folder, uri[len(_MODEL_URI):].lstrip('/'))
+                return find_above(folder, uri[len(_MODEL_URI):].lstrip('/'))
             return found
         return find
 
@@ -228,69 +249,24 @@ def _changed(element: ElementTree.Element, include: ElementTree.Element,
              tags: Sequence[str]) -> ElementTree.Element:
     """Return an element with the name and the children of some tags that an <include> gives."""
     for tag in tags:
-        given = include.find(tag)
-        if given is not None:
-            for old in element.findall(tag):
-                element.remove(old)
-            element.append(given)
+        _replace(element, tag, include)
     element.set('name', text_of(include, 'name') or name_of(element))
     return element
+
+
+def _replace(model: ElementTree.Element, tag: str, source: ElementTree.Element) -> None:
+    """Give a model the element with a tag that another one has, if it has one."""
+    given = source.find(tag)
+    if given is not None:
+        for old in model.findall(tag):
+            model.remove(old)
+        model.append(given)
+
+
+def _is_relative(model: ElementTree.Element) -> bool:
+    return any(pose.get('relative_to') or pose.get('frame') for pose in model.findall('pose'))
 
 
 def _is_in_place(model: ElementTree.Element) -> bool:
     """Return whether a model stands at the origin of the world."""
     return bool(np.allclose(sdf_frames.pose_of(model).matrix(), np.eye(4), atol=1e-9))
-
-
-def find_relative(folder: str, find: FindFile) -> Callable[[str], Optional[str]]:
-    """Return a function that finds files and folders: a relative path in `folder` first."""
-    def found(uri: str) -> Optional[str]:
-        path = uri[len('file://'):] if uri.startswith('file://') else uri
-        joined = os.path.join(folder, path)
-        return joined if path and '://' not in path and os.path.exists(joined) else find(uri)
-    return found
-
-
-def _find_above(folder: str, path: str) -> Optional[str]:
-    """Return where a model's path is: in a folder above, or in `models` in one."""
-    while True:
-        for candidate in (os.path.join(folder, path), os.path.join(folder, 'models', path)):
-            if os.path.exists(candidate):
-                return candidate
-        parent = os.path.dirname(folder)
-        if parent == folder:
-            return None
-        folder = parent
-
-
-def _model_file(path: str) -> Optional[str]:
-    """Return the SDF file of a model: of a folder, that of the newest version in model.config."""
-    if os.path.isfile(path):
-        return os.path.abspath(path)
-    names = ['model.sdf']
-    config = os.path.join(path, 'model.config')
-    if os.path.isfile(config):
-        found = [(_version(sdf), (sdf.text or '').strip())
-                 for sdf in _parsed(config, 'model').findall('sdf')]
-        names = [name for _, name in sorted(found, reverse=True) if name] + names
-    paths = (os.path.join(path, name) for name in names)
-    return next((os.path.abspath(each) for each in paths if os.path.isfile(each)), None)
-
-
-def _parsed(path: str, tag: str = 'sdf') -> ElementTree.Element:
-    try:
-        root = parse_xml(read_bytes(path, opener=plain))
-    except (OSError, ValueError) as error:
-        raise SimulationError('cannot read {} ({})'.format(path, error))
-    except MarkupError as error:
-        raise SimulationError('cannot use {} ({})'.format(path, error.problem), error.advice)
-    if root.tag != tag:
-        raise SimulationError('the root element of {} is <{}>, not <{}>'.format(
-            path, root.tag, tag))
-    return root
-
-
-def _version(element: ElementTree.Element) -> Version:
-    """Return the version of SDF that an element states, (0,) if it states none."""
-    text = element.get('version', '').strip()
-    return tuple(map(int, text.split('.'))) if _VERSION.fullmatch(text) else (0,)

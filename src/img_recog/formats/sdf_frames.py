@@ -1,11 +1,17 @@
 """The poses in an SDF, and the frames that they are given in."""
+import contextlib
+import re
 import xml.etree.ElementTree as ElementTree
 from typing import Dict, Optional, Sequence
 
+import numpy as np
+
 from img_recog import rotations
 from img_recog.errors import SimulationError
+from img_recog.formats.audit import NOT_KNOWN
 from img_recog.formats.numbers import read_lengths, words
-from img_recog.formats.texts import name_of, text_of
+from img_recog.formats.problems import Problems
+from img_recog.formats.texts import is_true, name_of, text_of
 from img_recog.rotations import IDENTITY, Transform, transform
 
 WORLD = 'world'
@@ -19,54 +25,92 @@ def pose_of(element: ElementTree.Element) -> Transform:
     return transform(values[:3], values[3:])
 
 
-def apply_state(model: ElementTree.Element, state: Optional[ElementTree.Element]) -> None:
-    """Move a model to where the <state> of its world has it, like Gazebo."""
-    if state is None:
+def set_pose(element: ElementTree.Element, pose: Transform) -> None:
+    """Give an element a <pose> in the frame of its parent."""
+    for old in element.findall('pose'):
+        element.remove(old)
+    ElementTree.SubElement(element, 'pose').text = words(
+        (*pose.translation, *rotations.to_rpy(pose.rotation)))
+
+
+def use_radians(root: ElementTree.Element) -> None:
+    """Write each <pose> of an <sdf> in the form that `pose_of` reads; the others are since 1.9.
+
+    Before, Gazebo does not know their attributes.
+    """
+    if not re.fullmatch(r'1[.](9|[1-9][0-9])|[2-9].*', root.get('version', '').strip()):
         return
-    for each in state.findall('model'):
-        if each.get('name') == model.get('name') and each.find('pose') is not None:
-            pose = pose_of(each)
-            for old in model.findall('pose'):
-                model.remove(old)
-            values = (*pose.translation, *rotations.to_rpy(pose.rotation))
-            ElementTree.SubElement(model, 'pose').text = words(values)
+    for element in root.iter('pose'):
+        angles, is_quaternion = (element.text or '').split(), (
+            element.get('rotation_format') == 'quat_xyzw')
+        if not element.get('degrees') and not is_quaternion:
+            element.attrib.pop('rotation_format', None)
+            continue
+        with contextlib.suppress(SimulationError):      # `pose_of` says so
+            values = read_lengths('', ' '.join(angles), 7 if is_quaternion else 6)
+            if is_quaternion:
+                turn = rotations.to_rpy(rotations.matrix(values[3:] / np.linalg.norm(values[3:])))
+            else:
+                is_degrees = is_true(element.get('degrees'))
+                turn = np.radians(values[3:]) if is_degrees else values[3:]
+            element.text = words((*values[:3], *turn))
+        for name in ('degrees', 'rotation_format'):
+            element.attrib.pop(name, None)
 
 
 class Scope:
-    """The frames of one model: of its links, joints, frames and models."""
+    """The frames in an element: of its links, joints, frames and models.
 
-    def __init__(self, model: ElementTree.Element):
-        self._name = name_of(model)
+    A name that it has not is one of the scope around it, if there is one; if it is in none, the
+    pose counts without it, as in Gazebo, and that is a finding.
+    """
+
+    def __init__(self, owner: ElementTree.Element, problems: Problems,
+                 outer: Optional['Scope'] = None):
+        """owner: a world, a model or a link; outer: the scope around a link, its model."""
+        self._owner, self._name, self._outer = owner, name_of(owner), outer
+        self._problems = problems
         # until SDF 1.6 they may bear the same names, and poses were relative to links
         self._elements: Dict[str, ElementTree.Element] = {}
         for tag in ('link', 'model', 'frame', 'joint'):
-            for element in model.findall(tag):
+            for element in owner.findall(tag):
                 self._elements.setdefault(name_of(element), element)
 
     def pose(self, element: ElementTree.Element,
              visited: Sequence[ElementTree.Element] = ()) -> Transform:
-        """Return the pose of a link, joint, frame or model in the model."""
+        """Return the pose of an element in the owner."""
         if any(element is each for each in visited):
-            raise SimulationError('model {}: the pose of {} depends on itself'.format(
-                self._name, name_of(element)))
+            raise SimulationError('{} {}: the pose of {} depends on itself'.format(
+                self._owner.tag, self._name, name_of(element)))
         pose = element.find('pose')
         base = '' if pose is None else (pose.get('relative_to') or pose.get('frame') or '').strip()
-        if not base and element.tag == 'joint':
-            base = text_of(element, 'child')
-        if not base and element.tag == 'frame':
-            base = element.get('attached_to', '')
-        return self.frame(base, (*visited, element)) @ pose_of(element)
+        frame = self.frame(base, element, (*visited, element)) if base else None
+        if frame is None and element.tag == 'joint':
+            frame = self.frame(text_of(element, 'child'), element, (*visited, element))
+        if frame is None and element.tag == 'frame':
+            frame = self.frame(element.get('attached_to', ''), element, (*visited, element))
+        return (frame or IDENTITY) @ pose_of(element)
 
-    def frame(self, name: str, visited: Sequence[ElementTree.Element] = ()) -> Transform:
-        """Return the pose of a frame in the model, by its name."""
+    def frame(self, name: str, element: ElementTree.Element,
+              visited: Sequence[ElementTree.Element] = ()) -> Optional[Transform]:
+        """Return the pose in the owner of the frame that an element names; None if unknown."""
+        found = self._frame(name, visited)
+        if found is None:
+            self._problems.add_finding(
+                NOT_KNOWN, 'the frame {}'.format(name), '{} {} {}'.format(
+                    self._name, element.tag, name_of(element)).strip())
+        return found
+
+    def _frame(self, name: str, visited: Sequence[ElementTree.Element]) -> Optional[Transform]:
         outer, _, inner = name.partition('::')
-        element = self._elements.get(outer) if outer else None      # '' is the model
-        if element is None and name in ('', _MODEL, WORLD, self._name):
+        element = self._elements.get(outer) if outer else None      # '' is the owner
+        if element is not None:
+            pose = self.pose(element, visited)
+            within = Scope(element, self._problems)._frame(inner, ()) if inner else IDENTITY
+            return None if within is None else pose @ within
+        if name and self._outer is not None:
+            found = self._outer._frame(name, ())
+            return None if found is None else self._outer.pose(self._owner).inverse @ found
+        if name in ('', _MODEL, WORLD, self._name):
             return IDENTITY
-        if element is None and outer == self._name:
-            return self.frame(inner, visited)
-        if element is None:
-            raise SimulationError('model {}: a pose is relative to {}, which does not exist'
-                                  .format(self._name, name))
-        pose = self.pose(element, visited)
-        return pose @ Scope(element).frame(inner) if inner else pose
+        return self._frame(inner, visited) if inner and outer == self._name else None

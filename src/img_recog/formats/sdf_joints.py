@@ -5,6 +5,7 @@ from typing import Callable, Dict, List, Mapping, NamedTuple, Optional, Sequence
 import numpy as np
 
 from img_recog.errors import SimulationError
+from img_recog.formats.audit import NOT_USED
 from img_recog.formats.elements import NOT_SIMULATED
 from img_recog.formats.numbers import read_direction, read_limit, read_number
 from img_recog.formats.problems import Problems
@@ -19,6 +20,7 @@ _AXES: Dict[str, Sequence[str]] = {
     FIXED: (), PRISMATIC: ('axis',), REVOLUTE: ('axis',), CONTINUOUS: ('axis',),
     'universal': ('axis', 'axis2'), 'revolute2': ('axis', 'axis2'), BALL: ()}
 NO_LIMIT = 1e16                 # an SDF's number for that
+INCLUDED = 'included'           # an attribute of a model that another one includes
 # of <dynamics>, by the fields of a Joint
 _DYNAMICS = {'damping': 'damping', 'friction': 'friction', 'stiffness': 'spring_stiffness',
              'reference': 'spring_reference'}
@@ -28,13 +30,14 @@ Version = Tuple[int, ...]       # of the SDF format, like (1, 6)
 
 class SdfLink(NamedTuple):
     """A link by its full name; pose: in the outermost model; is_static: whether nothing moves it;
-    space: see Link."""
+    space: see Link; scope: of the frames in it."""
 
     name: str
     element: ElementTree.Element
     pose: Transform
     is_static: bool
     space: str
+    scope: Scope
 
 
 class Axis(NamedTuple):
@@ -69,8 +72,8 @@ class SdfJoint(NamedTuple):
 class Joints:
     """The links and the joints of a model, in the order of the file.
 
-    As in Gazebo, names need not differ: of links and joints until SDF 1.6, and in files met in
-    the wild of links too, of which a joint means the first. They are made to differ here.
+    As in Gazebo, those of links and joints need not differ until SDF 1.6, and of links of one name
+    the first is used. Of joints they are made to differ here.
     """
 
     def __init__(self, model: ElementTree.Element, version: Version, problems: Problems):
@@ -83,15 +86,21 @@ class Joints:
     def _collect(self, model: ElementTree.Element, prefix: str, pose: Transform,
                  is_static: bool) -> None:
         """Add a model; pose: of its frame in the outermost one."""
-        scope = Scope(model)
-        is_static = is_static or is_true(model.findtext('static'))
+        scope = Scope(model, self._problems)
+        # Gazebo makes what is included a part of the model, but not a model that is given in it
+        is_static = is_true(model.findtext('static')) or (
+            is_static and is_true(model.get(INCLUDED)))
         for link in model.findall('link'):
+            name = prefix + (link.get('name') or 'link')
+            if name in self.links:
+                self._problems.add_finding(NOT_USED, 'second link ' + name, name_of(model))
+                continue
             with self._problems.left_out():
-                name = _free_name(prefix + (link.get('name') or 'link'), self.links.__contains__)
                 self.links[name] = SdfLink(
                     name, link, pose @ scope.pose(link),
                     is_static or is_true(link.findtext('kinematic')),
-                    name if collides_with_all(link, model) else prefix)
+                    name if collides_with_all(link, model) else prefix,
+                    Scope(link, self._problems, scope))
         for nested in model.findall('model'):
             with self._problems.left_out():
                 self._collect(nested, '{}{}::'.format(prefix, name_of(nested)),
@@ -158,7 +167,8 @@ class Joints:
         base: Optional[Transform] = None
         if expressed is not None:
             name = expressed.get('expressed_in', '')
-            base = model @ scope.frame(name) if name else None
+            frame = scope.frame(name, joint) if name else None
+            base = frame and model @ frame
         elif is_true(in_model) or (in_model is None and self._version < (1, 5)):
             base = model        # until SDF 1.4 axes were given in the model's frame
         return direction if base is None else pose.rotation.T @ base.rotation @ direction

@@ -6,11 +6,12 @@ from typing import Dict, List, Optional, Tuple
 import numpy as np
 
 from img_recog.files import FindFile
-from img_recog.formats import frictions, lights, sdf_links
+from img_recog.formats import frictions, lights, sdf_links, sdf_states
 from img_recog.formats.elements import NOT_SIMULATED
 from img_recog.formats.problems import Problems
-from img_recog.formats.sdf_frames import WORLD, Scope, pose_of
+from img_recog.formats.sdf_frames import WORLD, pose_of
 from img_recog.formats.sdf_joints import NO_LIMIT, Axis, Joints, SdfJoint, SdfLink, Version
+from img_recog.formats.sdf_states import Starts
 from img_recog.formats.texts import is_true, name_of
 from img_recog.model import (CONTINUOUS, FIXED, HEIGHTMAP, NO_INERTIA, PLANE, PRISMATIC, REVOLUTE,
                              Frame, Inertia, Joint, Light, Limits, Link, Look, Model, Solid, Tag,
@@ -19,12 +20,13 @@ from img_recog.rotations import IDENTITY, Transform
 
 
 def trees(model: ElementTree.Element, version: Version, find: FindFile,
-          problems: Problems) -> List[Tree]:
+          problems: Problems, starts: Starts = {}) -> List[Tree]:
     """Return the trees of a model, none for one without a link.
 
     version: of the SDF format. find: returns the path of the file or folder at a URI. problems: to
     which is added what cannot be used, a number, a joint or a shape; the rest is in the trees.
-    Raises SimulationError when the pose of the model cannot be used.
+    starts: where links are at the start. Raises SimulationError when the pose of the model cannot
+    be used.
     """
     name, pose = name_of(model), pose_of(model)
     parts = Joints(model, version, problems)
@@ -34,7 +36,7 @@ def trees(model: ElementTree.Element, version: Version, find: FindFile,
         for tree in _Builder(parts, joints_of, root, find, problems).trees(name, pose):
             found.append(tree._replace(first=False) if found else _with_plugins(
                 tree._replace(name=name), model))
-    return found
+    return [sdf_states.started(tree, starts, pose) for tree in found]
 
 
 def _with_plugins(tree: Tree, model: ElementTree.Element) -> Tree:
@@ -139,7 +141,7 @@ class _Builder:
         decay = 0.0, 0.0
         with self._problems.left_out():
             decay = sdf_links.decay(link.element)
-        scope = Scope(link.element)
+        scope = link.scope
         looks: List[Look] = []
         for visual in link.element.findall('visual'):
             with self._problems.left_out():

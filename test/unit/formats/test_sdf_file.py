@@ -276,7 +276,7 @@ def test_the_state_has_six_numbers_and_replaces_the_pose(folder):
 
 @pytest.mark.parametrize('inside, gravity', [
     ('', None), ('<gravity>1 2 3</gravity>', [1, 2, 3]),
-    ('<physics><gravity>1 2 3</gravity></physics>', [1, 2, 3]),
+    ('<physics><gravity>1 2 3</gravity></physics>', None),
     ('<physics><gravity>1 2 3</gravity></physics><gravity>4 5 6</gravity>', [4, 5, 6]),
     ('<physics/>', None)])
 def test_gravity(folder, inside, gravity):

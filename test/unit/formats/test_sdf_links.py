@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 from img_recog import mesh_file, rotations
-from img_recog.formats import sdf_file, sdf_links
+from img_recog.formats import sdf_files, sdf_links
 from img_recog.model import BOX, CYLINDER, MESH, PLANE, SPHERE, WHITE, WHOLE, Shape, Submesh
 from img_recog.rotations import IDENTITY, transform
 from img_recog_testing.refusals import refusal
@@ -94,7 +94,7 @@ def test_relative_paths(tmp_path):
     (tmp_path / 'meshes').mkdir()
     (tmp_path / 'meshes' / 'a.stl').write_text('')
     found = {'model://b': 'found', 'file://elsewhere/a.stl': 'there'}
-    find = sdf_file.find_relative(str(tmp_path), found.get)
+    find = sdf_files.find_relative(str(tmp_path), found.get)
     assert find('meshes/a.stl') == str(tmp_path / 'meshes' / 'a.stl')
     assert find('file://meshes') == str(tmp_path / 'meshes')
     assert find('file://' + str(tmp_path / 'meshes')) == str(tmp_path / 'meshes')

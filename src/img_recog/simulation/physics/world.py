@@ -80,6 +80,10 @@ class World:
                 raise
         planes = self._planes(body for _, body in loaded)
         for tree, body in loaded:
+            if any(tree.positions.values()):
+                body.start = body.start._replace(joints=[
+                    tree.positions.get(joint, 0.0) for joint in body.joints])
+                body.reset()
             self._set_dynamics(body, tree.model)
             if body.fixed and body.joints:
                 for plane in planes:
