@@ -318,7 +318,7 @@ class Model:
     each link of the file with a contact sensor, the links that have its solids and no others;
     tags: of its sensors and plugins; missing_meshes: URIs; missing_looks: what is not known or not
     found of materials; warnings: what is simulated in another way than given, a line each;
-    left_out: joints; changed_inertias: links.
+    left_out: joints; changed_inertias: links; held: joints of an SDF that hold links fast.
     """
 
     name: str
@@ -332,6 +332,7 @@ class Model:
     warnings: Tuple[str, ...] = ()
     left_out: Tuple[str, ...] = ()
     changed_inertias: Tuple[str, ...] = ()
+    held: Tuple[str, ...] = ()
 
     @property
     def roots(self) -> Tuple[str, ...]:

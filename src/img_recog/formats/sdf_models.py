@@ -18,6 +18,8 @@ from img_recog.model import (CONTINUOUS, FIXED, HEIGHTMAP, NO_INERTIA, PLANE, PR
                              Tree)
 from img_recog.rotations import IDENTITY, Transform
 
+BETWEEN_AXES = '::axis_'        # in the name of a link and a joint that stand for one of several
+
 
 def trees(model: ElementTree.Element, version: Version, find: FindFile,
           problems: Problems, starts: Starts = {}) -> List[Tree]:
@@ -121,7 +123,8 @@ class _Builder:
         model = Model(name, tuple(self._links), tuple(self._joints),
                       {link: Frame(link, _relative(frames[link], self._given[link].pose))
                        for link in names}, {tag.link: (tag.link,) for tag in tags}, tags,
-                      warnings=tuple(self._warnings))
+                      warnings=tuple(self._warnings),
+                      held=tuple(joint.name for joint in used if joint.kind == FIXED))
         tree = Tree('{}::{}'.format(name, root.name), model, model_pose @ base,
                     is_fixed or base is not root.pose, base)
         return [tree, *(_placed(*each, name, model_pose) for each in self._grounds)]
@@ -137,7 +140,7 @@ class _Builder:
         """Add a link whose frame in the model is `frame`, given in the outermost model."""
         offset = _relative(frame, link.pose)
         is_fixed = is_fixed or link.is_static
-        inertia = NO_INERTIA if is_fixed else self._inertia(link.element, offset)
+        inertia = NO_INERTIA if link.is_static else self._inertia(link.element, offset)
         decay = 0.0, 0.0
         with self._problems.left_out():
             decay = sdf_links.decay(link.element)
@@ -195,7 +198,7 @@ class _Builder:
         pose: of the frame of the joint in that of its parent.
         """
         for number, axis in enumerate(joint.axes[:-1], 1):
-            between = '{}::axis_{}'.format(joint.name, number)
+            between = '{}{}{}'.format(joint.name, BETWEEN_AXES, number)
             self._links.append(Link(between))
             self._joints.append(_joint(joint, pose, axis)._replace(
                 name=between, child=between))
