@@ -8,7 +8,7 @@ pytestmark = pytest.mark.usefixtures('shared_ros')       # one master
 
 def sensor(library, plugin, yaw=0.0, far=3.0, kind='ray'):
     return ('<gazebo reference="base_scan"><sensor type="{}" name="s"><pose>0 0 0 0 0 {}</pose>'
-            '<update_rate>20</update_rate><ray><range><min>0.02</min><max>{}</max></range><scan>'
+            '<update_rate>20</update_rate><ray><range><min>0.1</min><max>{}</max></range><scan>'
             '<horizontal><samples>1</samples></horizontal></scan></ray>'
             '<plugin name="p" filename="lib{}.so">{}</plugin></sensor></gazebo>').format(
                 kind, yaw, far, library, plugin)

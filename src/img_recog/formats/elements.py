@@ -185,6 +185,7 @@ URDF: Dict[str, Row] = {
 # elements whose text is true, false, 1 or 0
 BOOLEANS = frozenset((
     'static', 'kinematic', 'self_collide', 'enable_wind', 'cast_shadows', 'allow_auto_disable',
-    'use_parent_model_frame', 'collide_without_contact', 'center', 'always_on', 'visualize',
+    'use_parent_model_frame', 'collide_without_contact', 'submesh/center', 'always_on',
+    'visualize',
     'scale_to_hfov', 'shadows', 'grid', 'origin_visual', 'must_be_base_link', 'turnGravityOff',
     'selfCollide', 'use_terrain_paging', 'lighting', 'link/gravity', 'gazebo/gravity'))

@@ -8,7 +8,8 @@ from img_recog.formats.world_file import WorldFile
 from img_recog.simulation import assembly
 from img_recog.simulation.models import Models
 from img_recog.simulation.settings import PhysicsSettings
-from img_recog_testing.sdf import BOX, convert
+from img_recog_testing.robots import simulator
+from img_recog_testing.sdf import BOX, convert, sdf
 
 WALL = ('<link name="wall"><pose>2 0 0 0 0 0</pose>'
         + BOX.format('collision', '', '0.2 9 9') + '</link>')
@@ -91,3 +92,14 @@ def test_what_of_sensors_is_not_simulated_is_said(inside, words):
 def test_a_sensor_with_a_plugin_that_publishes_is_not_bare():
     eye = carrier(EYE.format(SENSOR.format('s', 'ray', RAY + PLUGIN.format('gazebo_ros_laser'))))
     assert [each.is_bare for each in eye.sensors] == [False]
+
+
+@pytest.mark.parametrize('world', ['turtlebot3_world', 'door'])
+def test_the_state_of_models_whose_root_link_is_not_in_their_file(tmp_path, world):
+    path = tmp_path / 'door.sdf'
+    path.write_text(sdf('<model name="door"><link name="l"/><joint name="j" type="revolute">'
+                        '<parent>world</parent><child>l</child><axis><xyz>0 0 1</xyz></axis></joint>'
+                        '</model>'))
+    models = Models(simulator(str(path) if world == 'door' else world))
+    for name in models.names:
+        assert models.state(name).linear.tolist() == pytest.approx([0, 0, 0], abs=1e-3)

@@ -13,7 +13,7 @@ class FramedBody(Body):
 
     def __init__(self, body_id: int, physics_client_id: int, model: Model, fixed: bool = False):
         super().__init__(body_id, physics_client_id, fixed)
-        self._frames = model.frames
+        self._frames = model.frames or {link.name: Frame(link.name) for link in model.links}
         self._mounts: Dict[str, Frame] = {}
         self._surfaces = model.surfaces
         self._link_indices = link_indices(body_id, physics_client_id)
@@ -24,7 +24,8 @@ class FramedBody(Body):
 
         Raises SimulationError when there is no such link.
         """
-        return motion_of_frame(*self.frame_state(frame or self.root))
+        # the root link may be one that the file does not have
+        return super().motion() if frame is None else motion_of_frame(*self.frame_state(frame))
 
     def frame_state(self, frame: str) -> FrameState:
         """Return the state of a link of the model; errors as for `motion`."""
