@@ -152,7 +152,8 @@ def test_a_motor_drives_a_joint(run, tmp_path):
      'no movable joint door::hing (movable joints: door::hinge)'),
     (['--drive', 'door::hinge=1'], "--drive: got 'door::hinge=1', expected "
      'MODEL::JOINT=VELOCITY:TORQUE, two numbers'),
-    (['--twist', '1,0'], '--twist: there is no robot; set --urdf'),
+    (['--twist', '1,0'], '--twist: there is no robot; set --urdf, or '
+     'give a model of the world the plugin of a drive'),
     (['--velocity', 'dor=1,2,3'], "no model 'dor' (models: ground_plane, door)")])
 def test_wrong_options_of_simulate(run, tmp_path, options, words):
     (tmp_path / 'door.sdf').write_text(sdf(BUILT_IN, DOOR))

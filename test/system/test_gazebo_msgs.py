@@ -13,6 +13,7 @@ import yaml
 
 from img_recog_testing.gazebo_messages import INSTALLED, write_package
 from img_recog_testing.process_table import is_alive
+from img_recog_testing.sdf_robot import POST, ROBOT
 from img_recog_testing.service_calls import ServiceCalls
 from img_recog_testing.simulator_tools import Images, burger, drawing, drive
 from img_recog_testing.waiting import DEADLINE_S, wait_for
@@ -306,6 +307,20 @@ def test_urdf_is_added_in_a_frame(gazebo):
     found = get_state(gazebo, 'box', MODEL)['pose']['position']
     assert call(gazebo, 'delete_model', {'model_name': 'box'})['success'] is True
     assert [found['x'], found['y']] == pytest.approx([0.4, 0.0], abs=0.05)
+
+
+def test_a_robot_and_a_scanner_of_an_sdf_are_added_with_their_topics_and_deleted(gazebo):
+    text = '<sdf version="1.6">{}</sdf>'
+    for name, model in ('bot', ROBOT.format('')), ('post', POST):
+        assert spawn(gazebo, name, text.format(model), 20.0, 5.0)['success'] is True
+    gazebo.wait_run('frame_id: "bot_odom"', 'rostopic', 'echo', '-n', '1',
+                    '/robotos_name_space/odom/header')
+    gazebo.wait_run('ranges:', 'rostopic', 'echo', '-n', '1', '/watch')
+    for name in ('bot', 'post'):
+        assert call(gazebo, 'delete_model', {'model_name': name})['success'] is True
+    topics = gazebo.run('rostopic', 'list', '-p').split()
+    assert '/watch' not in topics and '/robotos_name_space/front' not in topics
+    assert names(gazebo) == NAMES
 
 
 DRIVE = "<gazebo><plugin name='d' filename='libgazebo_ros_diff_drive.so'/></gazebo>"

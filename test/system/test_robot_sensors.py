@@ -1,7 +1,10 @@
 """The topics of several sensors on one robot."""
 import pytest
 
+from img_recog_testing.sdf import sdf
+from img_recog_testing.sdf_robot import POST, ROBOT, WALL
 from img_recog_testing.simulator_tools import Echo, burger, complaints
+from img_recog_testing.waiting import wait_for
 
 pytestmark = pytest.mark.usefixtures('shared_ros')       # one master
 
@@ -35,5 +38,28 @@ def test_each_sensor_has_its_topic_and_those_of_a_kind_can_share_one(ros, simula
     assert 'frame_id: "ear_left"' in seen and 'frame_id: "ear_right"' in seen
     assert 'radiation_type: 0' in seen and 'field_of_view: 0.3' in seen
     assert '/scan' not in ros.run('rostopic', 'list', '-p').split()
+    assert node.interrupt() == 0
+    assert complaints(node) == []
+
+
+def test_models_of_a_world_drive_and_measure_by_their_plugins(ros, simulate, tmp_path):
+    world = tmp_path / 'bots.sdf'
+    world.write_text(sdf(WALL, POST, ROBOT.format('<robotNamespace>bot</robotNamespace>')))
+    node = simulate('_world:={}'.format(world))
+    node.wait_output('simulating')
+    # from the post at x 0, and from the robot at x -1, to the wall at 2.9
+    assert Echo(ros, '/watch/ranges[0]').wait_more(1)[0][0] == pytest.approx(2.9, abs=1e-3)
+    front = Echo(ros, '/bot/front/ranges[0]')
+    assert front.wait_more(1)[0][0] == pytest.approx(3.9, abs=0.01)
+    driver = ros.start('rostopic', 'pub', '-r', '10', '/bot/cmd_vel', 'geometry_msgs/Twist',
+                       '{linear: {x: 0.5}}')
+    wait_for(lambda: front.rows[-1][0] < 3.5, lambda: node.output)
+    driver.interrupt()
+    assert 'child_frame_id: "base"' in ros.run('rostopic', 'echo', '-n', '1', '/bot/odom')
+    assert 'left_joint' in ros.run('rostopic', 'echo', '-n', '1', '/bot/joint_states')
+    tilt = ros.run('rostopic', 'echo', '-n', '1', '/bot/tilt/linear_acceleration')
+    assert 'z: 9.' in tilt
+    topics = ros.run('rostopic', 'list', '-p').split()
+    assert not [each for each in topics if 'bare' in each]
     assert node.interrupt() == 0
     assert complaints(node) == []

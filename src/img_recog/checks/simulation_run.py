@@ -60,7 +60,9 @@ class Run:
         file = world_file.read(options.world, resources.worlds(), resources.find, True,
                                read_file=robot_file.read_any)
         robots = [self._robot(options.urdf, physics.step_s)] if options.urdf else []
-        self._built = assembly.build(physics, file, robots, kinds=SENSORS)
+        # without a command they stand as in a Gazebo without ROS: nothing holds their wheels
+        self._built = assembly.build(physics, file, robots, kinds=SENSORS, with_bare=True,
+                                     with_drives=bool(options.twist and not options.urdf))
         self.warnings = [*(line for robot, _ in robots for line in robot.warnings),
                          *self._built.warnings]
         self.left_out = (*file.left_out, *self._built.left_out)
@@ -90,7 +92,8 @@ class Run:
 
     def _command(self, text: str) -> None:
         if not self._simulator.vehicles:
-            raise UserError('--twist: there is no robot', 'set --urdf')
+            raise UserError('--twist: there is no robot',
+                            'set --urdf, or give a model of the world the plugin of a drive')
         linear, angular = _numbers('--twist', text, text, ',', (2,))
         self._simulator.vehicles[0].command(linear, angular)
 

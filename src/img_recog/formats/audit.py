@@ -4,8 +4,8 @@ import math
 import xml.etree.ElementTree as ElementTree
 from typing import Dict, Iterable, Iterator, List, Mapping, NamedTuple, Optional, Sequence, Tuple
 
-from img_recog.formats.elements import (BOOLEANS, NO_EFFECT, NOT_SIMULATED, SDF, SIMULATED, URDF,
-                                        Row)
+from img_recog.formats.elements import (BOOLEANS, MODEL_PLUGINS, NO_EFFECT, NOT_SIMULATED, SDF,
+                                        SIMULATED, URDF, Row)
 
 NOT_KNOWN, NOT_USED, NOT_UNIQUE = 'not known', 'not used', 'not unique'
 _FORMATS: Mapping[str, Mapping[str, Row]] = {'sdf': SDF, 'robot': URDF}
@@ -77,6 +77,9 @@ def _found(element: ElementTree.Element, path: Tuple[str, ...], place: str) -> I
             continue
         tag, inner = child.tag, (*path, child.tag)
         state, default = fates.get(tag, (NOT_KNOWN, None))
+        if inner[-2:] == ('model', 'plugin') and any(
+                word in child.get('filename', '') for word in MODEL_PLUGINS):
+            continue
         if state == NOT_KNOWN or state == NOT_SIMULATED and (
                 default is None or not _changes_nothing(element, child, default)):
             yield state, _label(child) if tag in _TOLD else '<{}>'.format(tag), place

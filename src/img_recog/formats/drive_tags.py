@@ -4,13 +4,13 @@ drive_controllers.py has those of controllers of ros_control. Other paths are th
 plugins of gazebo_plugins have in ROS 2.
 """
 import xml.etree.ElementTree as ElementTree
-from typing import List, Optional
+from typing import Iterable, List, Optional
 
 from img_recog.formats import drive_controllers
 from img_recog.formats.drive_controllers import CORNERS, Drive, FindControllers
 from img_recog.formats.gazebo_tags import (FLAG, NAME, NAMES, NUMBER, POSITIVE, RATE, TOPIC, Row,
                                            Tags, Values, choice, is_of)
-from img_recog.model import PLANAR
+from img_recog.model import PLANAR, Model
 
 _WORLD, _ENCODER = 'world', 'encoder'
 _TOPICS = (
@@ -104,8 +104,16 @@ def find(robot: ElementTree.Element, step_s: float,
     that drives by itself counts more than a controller; of two, the first counts.
     Raises SimulationError when a controller has a wrong value.
     """
-    for plugin in robot.findall('gazebo/plugin'):
-        for row in PLUGINS:
-            if is_of(plugin, row.tags):
-                return row
-    return drive_controllers.find(robot, controllers, step_s)
+    return of_plugins(robot.findall('gazebo/plugin')) or drive_controllers.find(
+        robot, controllers, step_s)
+
+
+def of_plugins(plugins: Iterable[ElementTree.Element]) -> Optional[Drive]:
+    """Return the first drive that plugins stand for, None for none."""
+    return next((row for plugin in plugins for row in PLUGINS if is_of(plugin, row.tags)), None)
+
+
+def of_model(model: Model) -> Optional[Drive]:
+    """Return the drive of a model of an SDF, None for one that does not drive."""
+    return of_plugins(plugin for tag in model.tags if not tag.link
+                      for plugin in tag.element.findall('plugin'))

@@ -182,6 +182,10 @@ URDF: Dict[str, Row] = {
         'surface', 'bounce', 'friction', 'script', 'light', 'attenuation', 'spot')},
     'gazebo/visual/material': SDF['material'],
 }
+# in the file names of the plugins of a <model> that are simulated
+MODEL_PLUGINS = ('gazebo_ros_diff_drive', 'gazebo_ros_skid_steer_drive', 'gazebo_ros_planar_move',
+                 'force_based_move', 'gazebo_ros_kobuki', 'gazebo_ros_joint_state_publisher',
+                 'gazebo_ros_imu')
 # elements whose text is true, false, 1 or 0
 BOOLEANS = frozenset((
     'static', 'kinematic', 'self_collide', 'enable_wind', 'cast_shadows', 'allow_auto_disable',

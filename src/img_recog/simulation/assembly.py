@@ -8,6 +8,7 @@ import dataclasses
 import xml.etree.ElementTree as ElementTree
 from typing import Any, Callable, Iterator, List, Mapping, NamedTuple, Sequence, Tuple, Union
 
+from img_recog import rotations
 from img_recog.errors import SimulationError, UserError, one_line, shortened
 from img_recog.files import FindFile
 from img_recog.formats import (audit, camera_tags, drive_controllers, drive_tags, gazebo_tags,
@@ -17,7 +18,7 @@ from img_recog.formats.drive_controllers import FindControllers
 from img_recog.formats.problems import Problems
 from img_recog.formats.world_file import WorldFile
 from img_recog.mesh_file import READABLE
-from img_recog.model import Model
+from img_recog.model import Model, Tree
 from img_recog.settings import SettingError, from_mapping
 from img_recog.simulation import places
 from img_recog.simulation.carrier import Carrier
@@ -112,22 +113,41 @@ def read_robot(urdf: Union[str, ElementTree.Element], step_s: float, find: FindF
         tuple(camera.sensor for camera in cameras))
 
 
-def _read_model(model: Model, step_s: float, kinds: Sequence[SensorKind]) -> RobotSource:
-    """Return the sensors of a model in a world, also those without a plugin.
+def read_model(model: Model, step_s: float, kinds: Sequence[SensorKind],
+               with_bare: bool = False) -> RobotSource:
+    """Return what an SDF says of a robot, or of a model with sensors.
 
+    with_bare: whether sensors without a plugin are simulated, too.
     Raises SimulationError when a value cannot be used.
     """
-    tags = [tag for tag in model.tags if tag.link]
-    found = gazebo_tags.read(tags, step_s, [kind.read_tags for kind in kinds], with_bare=True)
-    cameras, of_cameras = camera_tags.read(tags, model.frames, with_bare=True)
-    not_simulated = tuple(dict.fromkeys((*found.not_simulated, *of_cameras)))
+    drive, source = drive_tags.of_model(model), 'model ' + model.name
+    try:
+        found = gazebo_tags.read(model.tags, step_s, (
+            *([drive.tags] if drive else ()), *(kind.read_tags for kind in kinds)), with_bare)
+        cameras, of_cameras = camera_tags.read(model.tags, model.frames, with_bare)
+        settings = tuple(map(robot_camera.settings_of, cameras))
+    except SimulationError as error:
+        raise _refused(source, error.problem, error.advice)
+    of_model = ['plugin ' + plugin.get('filename', '') for tag in model.tags if not tag.link
+                for plugin in tag.element.findall('plugin')]        # the audit names them
+    not_simulated = tuple(part for part in dict.fromkeys((*found.not_simulated, *of_cameras))
+                          if part not in of_model)
+    # what has a place is in a tag; the rest belongs to a drive
+    sensors = [each for each in sensors_of(kinds, found.sensors)
+               if each.place is not None or drive and not each.kind.tags.frame]
     return RobotSource(
-        'model ' + model.name, model,
-        [each for each in sensors_of(kinds, found.sensors) if each.place is not None],
-        found.values, tuple(map(robot_camera.settings_of, cameras)),
-        tuple('not simulated, of model {}: {}'.format(model.name, part)
-              for part in not_simulated), not_simulated,
-        camera_names=tuple(camera.sensor for camera in cameras))
+        source, model, sensors, drive.settings(found.values) if drive else found.values, settings,
+        tuple('not simulated, of {}: {}'.format(source, part) for part in not_simulated),
+        not_simulated, camera_names=tuple(camera.sensor for camera in cameras))
+
+
+def settings_of_model(robot: RobotSource, read: ReadSettings, tree: Tree) -> RobotSettings:
+    """Return the settings of a robot of an SDF, which starts where the tree is."""
+    x, y, z = tree.pose.translation.tolist()
+    yaw = rotations.to_rpy(tree.pose.rotation).tolist()[2]
+    settings = settings_of(robot, read)
+    return dataclasses.replace(settings, noise=settings.noise.of(tree.name), spawn=SpawnSettings(
+        x_pos=x, y_pos=y, z_pos=z, yaw=yaw))
 
 
 def _warnings(model: Model, of_tags: Sequence[str],
@@ -193,15 +213,21 @@ def build(physics: PhysicsSettings, world: WorldFile,
           robots: Sequence[Tuple[RobotSource, RobotSettings]],
           unused_sensors: Sequence[str] = (),
           option_name: Callable[[str], str] = str,
-          kinds: Sequence[SensorKind] = ()) -> Assembly:
+          kinds: Sequence[SensorKind] = (), with_bare: bool = False,
+          with_drives: bool = False) -> Assembly:
     """Build a simulator of robots in a world.
 
     unused_sensors: kinds of sensors that are disabled. option_name: what the user types to give
     the setting of that name, for warnings. kinds: of the sensors that models of the world can
-    have.
+    have. with_bare: whether they count without a plugin. with_drives: whether models of the world
+    that have a drive become robots.
     Raises SimulationError when PyBullet cannot load something or the settings do not fit.
     """
     physics_client_id = connect()
+    driven = {number: tree for number, tree in enumerate(world.trees)
+              if with_drives and drive_tags.of_model(tree.model)}
+    world = world._replace(trees=tuple(tree for number, tree in enumerate(world.trees)
+                                       if number not in driven))
     problems, name = Problems(), 'world {}'.format(world.name)
     simulated_world = World(physics, world, physics_client_id, problems)
     if not physics.allow_partial_world:
@@ -218,31 +244,38 @@ def build(physics: PhysicsSettings, world: WorldFile,
     for robot, settings in robots:
         warnings += add_robot(simulator, robot, settings, unused_sensors)
         warnings += _place_of(simulator.vehicles[-1], simulated_world)
+    sources = [robot for robot, _ in robots]
+    for tree in driven.values():
+        robot = read_model(tree.model, physics.step_s, kinds, with_bare)
+        warnings += [*robot.warnings, *add_robot(
+            simulator, robot, settings_of_model(robot, from_mapping, tree))]
+        sources.append(robot)
     for overlap in simulator.overlaps():
         warnings.append('{}: they overlap at the start, and the physics will throw them apart; '
                         'set {}'.format(overlap, ', '.join(
                             map(option_name, ('x_pos', 'y_pos', 'z_pos')))))
-    carried, lines = _add_sensors(simulator, kinds)
-    return Assembly(simulator, scene_of(simulator),
-                    (*(robot for robot, _ in robots), *carried), (*warnings, *lines),
+    carried, lines = add_sensors(simulator, kinds, with_bare)
+    return Assembly(simulator, scene_of(simulator), (*sources, *carried), (*warnings, *lines),
                     problems.names)
 
 
-def _add_sensors(simulator: Simulator,
-                 kinds: Sequence[SensorKind]) -> Tuple[List[RobotSource], List[str]]:
-    """Add the sensors of the models in a world; return what has some, and warnings."""
+def add_sensors(simulator: Simulator, kinds: Sequence[SensorKind], with_bare: bool = False,
+                first: int = 0) -> Tuple[List[RobotSource], List[str]]:
+    """Add the sensors of the bodies of a world from the number `first` on.
+
+    Returns from what the new carriers are made, and warnings. with_bare: see `build`.
+    """
     world, found, warnings = simulator.world, [], []
-    for tree, body in zip(world.file.trees, world.bodies):
+    for tree, body in list(zip(world.file.trees, world.bodies))[first:]:
         if not (kinds and tree.model.tags):
             continue
         try:
-            source = _read_model(tree.model, world.step_s, kinds)
+            source = read_model(tree.model, world.step_s, kinds, with_bare)
             settings = RobotSettings(noise=NoiseSettings().of(tree.name), sensors={
                 each.name: _settings_in_tag(source.source, each) for each in source.sensors})
             carrier = Carrier(tree.model, settings, world, body, source.sensors)
         except SimulationError as error:
-            warnings.append('model {}: its sensors are not simulated: {}'.format(
-                tree.name, one_line(error)))
+            warnings.append('{}; its sensors are not simulated'.format(one_line(error)))
             continue
         warnings += source.warnings
         if source.sensors or source.cameras:

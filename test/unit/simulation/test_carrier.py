@@ -24,7 +24,8 @@ EYE = '<static>1</static><link name="eye"><pose>0.5 0 1 0 0 0</pose>{}</link>'
 
 def build(*inside):
     world = WorldFile('w', tuple(convert(*inside)))
-    return assembly.build(PhysicsSettings(), world, [], kinds=SENSORS)
+    return assembly.build(PhysicsSettings(), world, [], kinds=SENSORS, with_bare=True,
+                          with_drives=True)
 
 
 def carrier(*inside):
@@ -83,8 +84,8 @@ def test_cameras_are_named_by_their_sensors():
     (SENSOR.format('s', 'ray', RAY + PLUGIN.format('other')),
      'not simulated, of model m: plugin libother.so'),
     (SENSOR.format('s', 'ray', RAY.replace('>3<', '>x<')),
-     "model m: its sensors are not simulated: <ray/scan/horizontal/samples> of sensor s: got 'x', "
-     'expected a whole number')])
+     "cannot use the robot in model m: <ray/scan/horizontal/samples> of sensor s: got 'x', "
+     'expected a whole number; its sensors are not simulated')])
 def test_what_of_sensors_is_not_simulated_is_said(inside, words):
     assert build(EYE.format(inside)).warnings == (words,)
 
@@ -98,8 +99,8 @@ def test_a_sensor_with_a_plugin_that_publishes_is_not_bare():
 def test_the_state_of_models_whose_root_link_is_not_in_their_file(tmp_path, world):
     path = tmp_path / 'door.sdf'
     path.write_text(sdf('<model name="door"><link name="l"/><joint name="j" type="revolute">'
-                        '<parent>world</parent><child>l</child><axis><xyz>0 0 1</xyz></axis></joint>'
-                        '</model>'))
+                        '<parent>world</parent><child>l</child><axis><xyz>0 0 1</xyz></axis>'
+                        '</joint></model>'))
     models = Models(simulator(str(path) if world == 'door' else world))
     for name in models.names:
         assert models.state(name).linear.tolist() == pytest.approx([0, 0, 0], abs=1e-3)

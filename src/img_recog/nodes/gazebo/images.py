@@ -16,7 +16,7 @@ from img_recog.nodes.gazebo.names import Names
 from img_recog.nodes.gazebo.static_transforms import StaticTransforms
 from img_recog.nodes.gazebo.view import ViewTopic
 from img_recog.rendering.server import Picture, Shot
-from img_recog.simulation.carrier import Reading
+from img_recog.simulation.carrier import Carrier, Reading
 from img_recog.simulation.pictures import visual_scene
 from img_recog.simulation.pictures.scene import poses_of, scene_of
 from img_recog.simulation.pictures.view import above
@@ -25,7 +25,6 @@ from img_recog.simulation.pictures.window import Window
 from img_recog.simulation.sensors import robot_camera
 from img_recog.simulation.settings import CameraSettings, ViewSettings
 from img_recog.simulation.simulator import Simulator
-from img_recog.simulation.vehicle import Vehicle
 
 # Where OpenGL runs on the processor, the physics comes first; in lockstep, it waits.
 _NICENESS = 5
@@ -66,7 +65,7 @@ class Images:
                                      self._parts.poses(), [self._view.camera],
                                      _NICENESS if lockstep is None else 0)
         # by the names of robot and sensor
-        self._cameras: Dict[Tuple[str, str], Tuple[Vehicle, CameraTopics]] = {}
+        self._cameras: Dict[Tuple[str, str], Tuple[Carrier, CameraTopics]] = {}
         self._last_poses, self._last_poses_s = self._parts.poses(), -1.0
         self._is_view_due = False
         self._newest: Optional[_Exposed] = None         # what cameras have read last
@@ -82,7 +81,7 @@ class Images:
             (topics.settings for _, topics in self._cameras.values()),
             (names.seen(each) for each in cameras)))
 
-    def add_cameras(self, vehicle: Vehicle, cameras: Sequence[CameraSettings],
+    def add_cameras(self, vehicle: Carrier, cameras: Sequence[CameraSettings],
                     names: Names) -> None:
         """Mount cameras on a robot; publish where those are that its URDF does not have.
 
@@ -114,7 +113,7 @@ class Images:
         self._statics.set('cameras of ' + vehicle.robot.name,
                           [optical_transform(named) for named in frames.values()])
 
-    def remove_cameras(self, vehicle: Vehicle) -> None:
+    def remove_cameras(self, vehicle: Carrier) -> None:
         """End the images of a robot's cameras."""
         for key, (owner, topics) in list(self._cameras.items()):
             if owner is vehicle:

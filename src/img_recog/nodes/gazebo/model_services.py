@@ -3,7 +3,7 @@
 MISSING says why the package gazebo_msgs cannot be used, '' if it can.
 """
 from functools import partial
-from typing import Any, Callable, Dict
+from typing import Any, Callable, Dict, Sequence
 
 import rospy
 from geometry_msgs.msg import Point, Pose, Quaternion, Twist, Vector3
@@ -12,11 +12,13 @@ from std_msgs.msg import Header
 from img_recog import resources, rotations
 from img_recog.conversions import robot_msgs
 from img_recog.errors import SimulationError, UserError, one_line
-from img_recog.formats import model_file, names
+from img_recog.formats import drive_tags, model_file, names
+from img_recog.model import Tree
 from img_recog.nodes.gazebo.physics_services import ServiceCalls
 from img_recog.nodes.gazebo.robot_plans import RobotPlans
 from img_recog.nodes.gazebo.robots import Robots
 from img_recog.ros.log.throttle import ThrottledWarning
+from img_recog.rotations import Transform
 from img_recog.simulation.models import LINK_SEPARATOR, WORLD, Models, State
 from img_recog.simulation.pacing import Pace
 from img_recog.simulation.settings import SpawnSettings
@@ -116,24 +118,44 @@ class ModelServices:
             add = self._robot_adder(name, request, state, frame)
         else:
             trees = model_file.read(request.model_xml, name, resources.find, rospy.logwarn)
-            add = partial(self._models.add, name, trees, state, frame, rospy.logwarn)
+            if drive_tags.of_model(trees[0].model):
+                add = self._sdf_robot_adder(trees[0], request, state, frame)
+            else:
+                add = partial(self._add, name, trees, state, frame)
         self._calls.call(add)
         rospy.loginfo('added the model %s', name)
         return {}
+
+    def _sdf_robot_adder(self, tree: Tree, request: Any, state: State,
+                         frame: str) -> Callable[[], None]:
+        pose = self._calls.call(lambda: self._models.pose_in_world(state, frame)) @ tree.pose
+        self._start(pose)
+        return partial(self._robots.add, self._plans.spawned_sdf(
+            tree._replace(pose=pose), request.robot_namespace.strip('/')))
 
     def _robot_adder(self, name: str, request: Any, state: State,
                      frame: str) -> Callable[[], None]:
         """Return what adds a robot that has a drive: it gets topics in its namespace."""
         names.check_model(name)
         pose = self._calls.call(lambda: self._models.pose_in_world(state, frame))
+        plan = self._plans.spawned(name, request.model_xml, request.robot_namespace.strip('/'),
+                                   self._start(pose))
+        return partial(self._robots.add, plan)
+
+    def _add(self, name: str, trees: Sequence[Tree], state: State, frame: str) -> None:
+        count = len(self._simulator.world.bodies)
+        self._models.add(name, trees, state, frame, rospy.logwarn)
+        self._robots.add_sensors(count)
+
+    @staticmethod
+    def _start(pose: Transform) -> SpawnSettings:
+        """Return where a robot starts; SimulationError when that is not upright."""
         x, y, z = pose.translation.tolist()
         roll, pitch, yaw = rotations.to_rpy(pose.rotation).tolist()
         if max(abs(roll), abs(pitch)) > _MAX_TILT:
             raise SimulationError('a robot starts upright: got roll {:.3f} and pitch {:.3f} rad'
                                   .format(roll, pitch), 'tilt it with set_model_state')
-        plan = self._plans.spawned(name, request.model_xml, request.robot_namespace.strip('/'),
-                                   SpawnSettings(x_pos=x, y_pos=y, z_pos=z, yaw=yaw))
-        return partial(self._robots.add, plan)
+        return SpawnSettings(x_pos=x, y_pos=y, z_pos=z, yaw=yaw)
 
     def _delete(self, request: Any) -> Response:
         self._calls.call(partial(self._remove, request.model_name))
@@ -144,6 +166,7 @@ class ModelServices:
         vehicle = self._models.vehicle(name)
         if vehicle is None:
             self._models.remove(name)
+            self._robots.remove_sensors()
         else:
             self._robots.remove(vehicle.robot.name)
 

@@ -37,6 +37,7 @@ from diagnostic_updater import DiagnosticStatusWrapper
 
 from img_recog import resources, robot_file
 from img_recog.conversions.plane_msgs import PlanePose
+from img_recog.conversions.sensor_table import SENSORS
 from img_recog.formats import world_file
 from img_recog.nodes.gazebo import model_services
 from img_recog.nodes.gazebo.clock import SimulatedClock
@@ -57,10 +58,10 @@ from img_recog.ros import lifecycle, parameters
 from img_recog.ros.diagnostics import NodeDiagnostics
 from img_recog.ros.reconfigure import Reconfigurable
 from img_recog.simulation import assembly
+from img_recog.simulation.assembly import Assembly
 from img_recog.simulation.models import Models
 from img_recog.simulation.pacing import Pace, timeout_scale
 from img_recog.simulation.settings import PhysicsSettings, ViewSettings, whole_steps
-from img_recog.simulation.simulator import Simulator
 
 _POLL_PERIOD_S = 0.1
 # Of simulated time, between two looks at commands and services; it takes about 1 ms. After the
@@ -86,7 +87,8 @@ class Gazebo:
                                    *robot_settings_classes(), also_known=[ROBOTS[1:]])
         plans = RobotPlans(physics.step_s)
         single = None if which.several_robots else plans.single()
-        self._simulator = _build(physics, single)
+        built = _build(physics, single)
+        self._simulator = built.simulator
         self._simulator.warn = lambda line: rospy.logwarn('%s', line)
         self._pace = Pace(physics.real_time_factor)
         if stepping.paused:
@@ -114,6 +116,9 @@ class Gazebo:
             frame, origin = vehicle.odometry.odom_frame, PlanePose(*vehicle.odometry_origin)
             if self._lockstep is not None:
                 self._lockstep.check(vehicle.sensor_kinds)
+        of_world = 0 if single is None else 1
+        for carrier, source in list(zip(self._simulator.carriers, built.sources))[of_world:]:
+            self._robots.connect_model(carrier, plans.of_model(source, carrier.settings))
         if self._lockstep is not None:
             self._lockstep.subscribe()
         self._models: Optional[ModelServices] = None
@@ -239,15 +244,16 @@ class Gazebo:
         self._clock.flush()
 
 
-def _build(physics: PhysicsSettings, single: Optional[RobotPlan]) -> Simulator:
+def _build(physics: PhysicsSettings, single: Optional[RobotPlan]) -> Assembly:
     """Build the simulator of a world, with the robot if there is a single one; log warnings."""
     world = world_file.read(physics.world, resources.worlds(), resources.find,
                             physics.allow_partial_world, read_file=robot_file.read_any)
     robots = [] if single is None else [single]
-    built = assembly.build(physics, world, [(each.source, each.settings) for each in robots])
+    built = assembly.build(physics, world, [(each.source, each.settings) for each in robots],
+                           kinds=SENSORS, with_drives=True)
     for warning in itertools.chain(*(each.source.warnings for each in robots), built.warnings):
         rospy.logwarn('%s', warning)
-    return built.simulator
+    return built
 
 
 def main() -> int:

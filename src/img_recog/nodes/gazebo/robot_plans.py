@@ -11,10 +11,13 @@ from img_recog import resources
 from img_recog.conversions.sensor_table import SENSORS
 from img_recog.errors import SimulationError, shortened
 from img_recog.formats import model_file
+from img_recog.formats.texts import text_of
+from img_recog.model import Tree
 from img_recog.nodes.gazebo import controllers
 from img_recog.nodes.gazebo.names import Names, topic_fields
 from img_recog.ros import parameters
-from img_recog.settings import ParameterError, Settings, setting, setting_fields, unknown
+from img_recog.settings import (ParameterError, Settings, from_mapping, setting, setting_fields,
+                                unknown)
 from img_recog.simulation import assembly
 from img_recog.simulation.assembly import RobotSource
 from img_recog.simulation.settings import (CameraSettings, DriveSettings, NoiseSettings,
@@ -136,7 +139,7 @@ class RobotPlans:
             has_place='x_pos' in own or 'y_pos' in own)
 
     def is_robot(self, text: str, namespace: str) -> bool:
-        """Return whether a model is a robot that drives: a URDF with a drive.
+        """Return whether a model is a URDF of a robot that drives.
 
         namespace: of the robot.
         """
@@ -150,13 +153,30 @@ class RobotPlans:
 
         Raises a UserError naming what is wrong.
         """
-        if namespace and not (rosgraph.names.is_legal_name(namespace) and namespace[0].isalpha()):
-            raise ParameterError('robot_namespace: got {}, wants names of letters, digits and _, '
-                                 'with / between them'.format(shortened(repr(namespace))))
+        _check_namespace(namespace)
         plan = self._plan(name, urdf, 'the model ' + name,
                           names_of(namespace, namespace) if namespace else Names(), _NO_NAMESPACE)
         return plan._replace(settings=dataclasses.replace(_with_seed(plan.settings, name),
                                                           spawn=spawn))
+
+    @staticmethod
+    def of_model(source: RobotSource, settings: RobotSettings, namespace: str = '') -> RobotPlan:
+        """Return the plan of a model of an SDF that drives, or has sensors.
+
+        namespace: of its topics, by default that of its first plugin.
+        """
+        plugins = [tag.element.find('plugin') for tag in source.model.tags if not tag.link]
+        space = namespace or next((text_of(plugin, 'robotNamespace').strip('/')
+                                   for plugin in plugins), '')
+        return RobotPlan(source, settings, source.cameras,
+                         names_of(space, '') if space else Names())
+
+    def spawned_sdf(self, tree: Tree, namespace: str) -> RobotPlan:
+        """Return the plan of a model of an SDF that a service adds; errors as for `spawned`."""
+        _check_namespace(namespace)
+        source = assembly.read_model(tree.model, self._step_s, SENSORS)
+        return self.of_model(source, assembly.settings_of_model(source, from_mapping, tree),
+                             namespace)
 
     def _plan(self, name: str, urdf: str, source: str, names: Names,
               namespace: str) -> RobotPlan:
@@ -176,6 +196,12 @@ class RobotPlans:
         camera = parameters.read(CameraSettings, {}, *spaces)
         cameras = [*robot.cameras, *([camera] if camera.camera_frame else [])]
         return RobotPlan(robot, settings, cameras, names)
+
+
+def _check_namespace(namespace: str) -> None:
+    if namespace and not (rosgraph.names.is_legal_name(namespace) and namespace[0].isalpha()):
+        raise ParameterError('robot_namespace: got {}, wants names of letters, digits and _, '
+                             'with / between them'.format(shortened(repr(namespace))))
 
 
 def names_of(namespace: str, default_prefix: str) -> Names:

@@ -1,5 +1,5 @@
-"""The topics of one simulated robot."""
-from typing import Any, Dict, List, Optional, Sequence, Union
+"""The topics of one simulated robot, or of a model with sensors."""
+from typing import Any, Dict, List, Optional, Sequence, Set, Union
 
 import rospy
 from diagnostic_updater import DiagnosticStatusWrapper
@@ -16,7 +16,7 @@ from img_recog.nodes.gazebo.physics_services import ServiceCalls
 from img_recog.ros.log.throttle import Throttle, ThrottledWarning
 from img_recog.ros.queues import LatestValue
 from img_recog.ros.transport.direct_publisher import DirectPublisher
-from img_recog.simulation.carrier import Reading
+from img_recog.simulation.carrier import Carrier, Reading
 from img_recog.simulation.sensors.motion_state import MotionState
 from img_recog.simulation.sensors.sensor import SensorKind
 from img_recog.simulation.vehicle import Vehicle
@@ -72,12 +72,64 @@ class Transforms:
             self._waiting = []
 
 
-class RobotTopics:
+class SensorTopics:
+    """Publishes the readings of a model with sensors, or of a robot."""
+
+    _always_read: Set[str] = set()
+
+    def __init__(self, carrier: Carrier, names: Names, lockstep: Optional[Lockstep] = None):
+        """Advertise; lockstep: waits for answers."""
+        self.carrier = carrier
+        settings = carrier.settings.sensors
+        self._publishers: Dict[str, DirectPublisher] = {}
+        self._outputs: Dict[str, _Output] = {}
+        for each in carrier.sensors:
+            if each.name in carrier.missing_sensors:
+                continue
+            topic = names.topic(each.kind.topic(settings[each.name]))
+            is_answered = lockstep is not None and each.kind.name in lockstep.kinds
+            if is_answered:
+                self._always_read = {*self._always_read, each.name}
+            if topic not in self._publishers:
+                self._publishers[topic] = DirectPublisher(
+                    topic, each.kind.msg_type,
+                    redelivery=lockstep.redelivery if lockstep and is_answered else None)
+            self._outputs[each.name] = _Output(self._publishers[topic], each.kind,
+                                               names.seen(settings[each.name]))
+
+    def disable_unused(self) -> None:
+        """Disable the sensors that have no subscriber."""
+        for sensor, output in self._outputs.items():
+            if sensor not in self._always_read:
+                self.carrier.set_sensor_enabled(
+                    sensor, output.publisher.get_num_connections() > 0)
+
+    def publish(self, readings: Sequence[Reading]) -> None:
+        """Publish readings of the sensors, in order of time."""
+        for reading in readings:
+            self._add(reading)
+        # several messages of a topic together
+        for publisher in self._publishers.values():
+            publisher.flush()
+
+    def _add(self, reading: Reading) -> Any:
+        """Add the message of a reading to those that are published next, and return it."""
+        return self._outputs[reading.sensor].add(reading)
+
+    def close(self) -> None:
+        """End the topics."""
+        for publisher in self._publishers.values():
+            publisher.unregister()
+
+
+class RobotTopics(SensorTopics):
     """Passes commands and poses to a vehicle, and publishes its readings.
 
     The poses of ~set_pose, or ~NAMESPACE/set_pose, are in the world or in the frame of the
     odometry.
     """
+
+    _always_read = {'odometry'}         # it is also for tf and the log
 
     def __init__(self, vehicle: Vehicle, names: Names, transforms: Transforms,
                  calls: ServiceCalls, lockstep: Optional[Lockstep] = None):
@@ -85,6 +137,7 @@ class RobotTopics:
 
         lockstep: waits for answers, which commands may be.
         """
+        super().__init__(vehicle, names, lockstep)
         self._vehicle, self._names, self._calls = vehicle, names, calls
         self._is_lockstep = lockstep is not None
         self._counts = CommandCounts()
@@ -95,23 +148,6 @@ class RobotTopics:
         self._timed_out = False
         self._transforms = transforms
         self._transform = TransformStamped(child_frame_id=names.frame(vehicle.odometry.base_frame))
-        settings = vehicle.settings.sensors
-        self._publishers: Dict[str, DirectPublisher] = {}
-        self._outputs: Dict[str, _Output] = {}
-        self._always_read = {'odometry'}        # it is also for tf and the log
-        for each in vehicle.sensors:
-            if each.name in vehicle.missing_sensors:
-                continue
-            topic = names.topic(each.kind.topic(settings[each.name]))
-            is_answered = lockstep is not None and each.kind.name in lockstep.kinds
-            if is_answered:
-                self._always_read.add(each.name)
-            if topic not in self._publishers:
-                self._publishers[topic] = DirectPublisher(
-                    topic, each.kind.msg_type,
-                    redelivery=lockstep.redelivery if lockstep and is_answered else None)
-            self._outputs[each.name] = _Output(self._publishers[topic], each.kind,
-                                               names.seen(settings[each.name]))
         self._pose_topic = rospy.resolve_name('~' + names.topic('set_pose'))
         self._odom_frame = names.frame(vehicle.odometry.odom_frame)
         self._warn_of_pose = ThrottledWarning()
@@ -159,28 +195,22 @@ class RobotTopics:
         if command is not None:
             self._vehicle.command(*command)
 
-    def disable_unused(self) -> None:
-        """Disable the sensors that have no subscriber."""
-        for sensor, output in self._outputs.items():
-            if sensor not in self._always_read:
-                self._vehicle.set_sensor_enabled(
-                    sensor, output.publisher.get_num_connections() > 0)
-
     def publish(self, readings: Sequence[Reading]) -> None:
         """Publish readings of the sensors of the vehicle, in order of time."""
-        for reading in readings:
-            if reading.sensor == 'odometry':
-                # it shares its header with the message, which is changed now
-                self._transforms.separate(self._transform)
-            msg = self._outputs[reading.sensor].add(reading)
-            if reading.sensor == 'odometry':
-                self._log_motion_change(reading)
-                if self._vehicle.odometry.publish_odom_tf:
-                    self._transforms.add(robot_msgs.transform_of(msg, self._transform))
+        super().publish(readings)
         self._counts.readings.add(len(readings))
-        # several messages of a topic together
-        for publisher in self._publishers.values():
-            publisher.flush()
+
+    def _add(self, reading: Reading) -> Any:
+        is_pose = reading.sensor == 'odometry'
+        if is_pose:
+            # it shares its header with the message, which is changed now
+            self._transforms.separate(self._transform)
+        msg = super()._add(reading)
+        if is_pose:
+            self._log_motion_change(reading)
+            if self._vehicle.odometry.publish_odom_tf:
+                self._transforms.add(robot_msgs.transform_of(msg, self._transform))
+        return msg
 
     def report(self, status: DiagnosticStatusWrapper) -> None:
         """Add the counters to a status; to be called once in each period."""
@@ -212,5 +242,4 @@ class RobotTopics:
         self._is_closed = True
         for subscriber in self._subscribers:
             subscriber.unregister()
-        for publisher in self._publishers.values():
-            publisher.unregister()
+        super().close()

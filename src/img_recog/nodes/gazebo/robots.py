@@ -11,16 +11,17 @@ from std_srvs.srv import Trigger, TriggerRequest, TriggerResponse
 
 from img_recog.conversions import plane_msgs
 from img_recog.conversions.plane_msgs import PlanePose
+from img_recog.conversions.sensor_table import SENSORS
 from img_recog.errors import SimulationError, UserError, one_line
 from img_recog.nodes.gazebo.images import Images
 from img_recog.nodes.gazebo.lockstep import Lockstep
 from img_recog.nodes.gazebo.physics_services import ServiceCalls
 from img_recog.nodes.gazebo.robot_plans import RobotPlan, RobotPlans
-from img_recog.nodes.gazebo.robot_topics import RobotTopics, Transforms
+from img_recog.nodes.gazebo.robot_topics import RobotTopics, SensorTopics, Transforms
 from img_recog.nodes.gazebo.static_transforms import StaticTransforms
 from img_recog.ros.diagnostics import NodeDiagnostics
 from img_recog.simulation import assembly
-from img_recog.simulation.carrier import Reading
+from img_recog.simulation.carrier import Carrier, Reading
 from img_recog.simulation.models import Models
 from img_recog.simulation.simulator import Simulator
 from img_recog.simulation.vehicle import Vehicle
@@ -54,6 +55,8 @@ class Robots:
         self._transforms = Transforms()
         self._timeout_scale = 1.0
         self._robots: Dict[str, _Connected] = {}
+        # of models that do not drive
+        self._sensors: Dict[str, Tuple[RobotPlan, SensorTopics]] = {}
 
     def add(self, plan: RobotPlan) -> None:
         """Add a robot, apart from the others and the walls, and log its warnings.
@@ -63,10 +66,7 @@ class Robots:
         if plan.name in self._models.names:
             raise SimulationError('there is a model {} already'.format(plan.name),
                                   'give another name')
-        if any(each.plan.names.namespace == plan.names.namespace
-               for each in self._robots.values()):
-            raise SimulationError('there is a robot with the namespace {!r} already'.format(
-                plan.names.namespace), 'give it another robot_namespace')
+        self._check_namespace(plan)
         warnings = assembly.add_robot_apart(self._simulator, plan.source, plan.settings,
                                             plan.has_place)
         vehicle = self._simulator.vehicles[-1]
@@ -82,10 +82,17 @@ class Robots:
                       vehicle.robot.mass(), vehicle.robot.root)
         self.log_start(plan.name)
 
+    def _check_namespace(self, plan: RobotPlan) -> None:
+        if any(each.plan.names.namespace == plan.names.namespace
+               for each in self._robots.values()):
+            raise SimulationError('there is a robot with the namespace {!r} already'.format(
+                plan.names.namespace), 'give it another robot_namespace')
+
     def _check_topics(self, plan: RobotPlan) -> None:
         """Raise SimulationError if a topic would be that of two sensors, or of something else."""
         own, command, others = plan.published(), plan.command_topic, list(self._robots.values())
-        published = {topic for robot in others for topic in robot.plan.published()}
+        plans = [*(robot.plan for robot in others), *(each for each, _ in self._sensors.values())]
+        published = {topic for each in plans for topic in each.published()}
         for topic in own:
             if own.count(topic) > 1 or topic in published:
                 raise SimulationError('two sensors are on the topic {}'.format(topic),
@@ -126,6 +133,41 @@ class Robots:
                 names.frame(odometry.odom_frame))])
         self._add_diagnostics(name)
 
+    def connect_model(self, carrier: Carrier, plan: RobotPlan) -> None:
+        """Give a model of the world that drives or has sensors its topics.
+
+        Where that cannot be, a line of the log says why, and it has none.
+        """
+        try:
+            if isinstance(carrier, Vehicle):
+                self._check_namespace(plan)
+                self.connect(carrier, plan)
+                return
+            self._images.check_cameras(plan.cameras, plan.names)
+            self._check_topics(plan)
+            self._images.add_cameras(carrier, plan.cameras, plan.names)
+        except UserError as error:
+            rospy.logerr('model %s has no topics: %s', carrier.robot.name, one_line(error))
+            return
+        self._sensors[carrier.robot.name] = plan, SensorTopics(carrier, plan.names)
+
+    def add_sensors(self, first: int) -> None:
+        """Give sensors to the bodies of the world from a number on."""
+        count = len(self._simulator.carriers)
+        sources, warnings = assembly.add_sensors(self._simulator, SENSORS, first=first)
+        for warning in warnings:
+            rospy.logwarn('%s', warning)
+        for carrier, source in zip(self._simulator.carriers[count:], sources):
+            self.connect_model(carrier, RobotPlans.of_model(source, carrier.settings))
+
+    def remove_sensors(self) -> None:
+        """End the topics of sensors of models that are there no longer."""
+        there = {carrier.robot.name for carrier in self._simulator.carriers}
+        for name in set(self._sensors) - there:
+            _, topics = self._sensors.pop(name)
+            topics.close()
+            self._images.remove_cameras(topics.carrier)
+
     def remove(self, name: str) -> None:
         """Remove a robot; SimulationError when there is none of that name."""
         if name not in self._robots:
@@ -155,6 +197,8 @@ class Robots:
         """Disable the sensors that have no subscriber."""
         for robot in self._robots.values():
             robot.topics.disable_unused()
+        for _, topics in self._sensors.values():
+            topics.disable_unused()
 
     def namespaces(self, names: Optional[Collection[str]] = None) -> List[str]:
         """Return the namespaces of the robots with some names, or of all."""
@@ -168,12 +212,14 @@ class Robots:
 
     def publish(self, readings: Sequence[Reading]) -> None:
         """Publish the readings of all sensors but cameras."""
-        found: Dict[str, List[Reading]] = {name: [] for name in self._robots}
+        found: Dict[str, List[Reading]] = {name: [] for name in (*self._robots, *self._sensors)}
         for reading in readings:
             if not self._images.is_camera(reading):
                 found[reading.robot].append(reading)
         for name, robot in self._robots.items():
             robot.topics.publish(found[name])
+        for name, (_, topics) in self._sensors.items():
+            topics.publish(found[name])
         self._transforms.flush()
 
     def scale_timeouts(self, scale: float) -> None:
