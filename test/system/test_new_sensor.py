@@ -46,7 +46,7 @@ class Sonar(RaySensor):
     def __init__(self, mount: Mount, settings: SonarSettings):
         mount.robot.check_frame('sonar_frame', settings.sonar_frame)
         super().__init__(mount, settings.sonar_frame, np.array([[1.0], [0.0], [0.0]]),
-                         settings.sonar_range_max)
+                         (0.2, settings.sonar_range_max))
 
     def measure(self, distances: np.ndarray) -> float:
         return float(distances[0])
@@ -76,7 +76,7 @@ ROW = '''    SensorKind('sonar', sonar.SonarSettings, sonar.Sonar, sonar.TAGS, R
                sonar_msgs.to_msg, noise_number=4),
 '''
 TAG = '''<gazebo reference="imu_link"><sensor type="ray" name="ear">
-  <ray><range><max>3</max></range></ray>
+  <ray><range><min>0.2</min><max>3</max></range></ray>
   <plugin name="ear" filename="libgazebo_ros_range.so"><topicName>ear</topicName></plugin>
   </sensor></gazebo>'''
 

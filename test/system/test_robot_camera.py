@@ -166,6 +166,6 @@ def test_several_sensors_in_one_link(ros, simulate, world):
     focal = 320 / 3.183
     assert wide[1:3] == ['equidistant', [0.0] * 4] and wide[5] == 320
     assert wide[3] == pytest.approx([focal, 0, 159.5, 0, focal, 119.5, 0, 0, 1])
-    assert left[1] == right[1] == 'plumb_bob' and left[5] == 640
+    assert left[1] == right[1] == 'plumb_bob' and left[5] == 320
     assert (left[4], right[4]) == pytest.approx((0.0, -0.4 * right[3][0]))
     assert complaints(node) == []
