@@ -6,13 +6,16 @@ import subprocess
 import sys
 import threading
 import time
-from typing import (Any, Callable, Deque, Dict, List, Mapping, NamedTuple, Optional, Sequence,
+import xml.etree.ElementTree as ElementTree
+from typing import (Any, Callable, Deque, Dict, List, Mapping, NamedTuple, Optional, Sequence, Set,
                     Tuple, Union)
 from xml.sax.saxutils import quoteattr
 
 import roslaunch
 import roslaunch.config
 import roslaunch.rlutil
+import rospkg
+from roslaunch.substitution_args import SubstitutionException, resolve_args
 
 from img_recog import process_tree
 from img_recog.errors import UserError, one_line
@@ -76,13 +79,36 @@ def _text(value: Any) -> str:
 
 
 def _together(files: Sequence[LaunchFile]) -> str:
-    """Return a launch file that includes all: roslaunch refuses arguments that do not exist."""
+    """Return a launch file that includes all; UserError if one does not take its arguments."""
     lines = []
     for file in files:
-        lines += ['<include ns="/" file={}>'.format(quoteattr(file.path)),
+        unused = sorted(file.arguments.keys() - _taken(file.path))
+        if unused:
+            raise UserError('the launch files cannot be used: unused args [{}] for include of [{}]'
+                            .format(', '.join(unused), file.path), 'try them with roslaunch')
+        # roslaunch would refuse what a file only hands on to those that it includes
+        lines += ['<include ns="/" pass_all_args="true" file={}>'.format(quoteattr(file.path)),
                   *('<arg name={} value={}/>'.format(quoteattr(name), quoteattr(_text(value)))
                     for name, value in file.arguments.items()), '</include>']
     return '<launch>{}</launch>\n'.format('\n'.join(lines))
+
+
+def _taken(path: str) -> Set[str]:
+    """Return the names of a launch file's arguments, and of those that it hands on.
+
+    Raises UserError if it cannot be read.
+    """
+    try:
+        root = ElementTree.parse(path).getroot()
+        names = {arg.get('name', '') for arg in root.iter('arg') if arg.get('value') is None}
+        for part in root.iter('include'):
+            if part.get('pass_all_args', '').lower() in ('true', '1'):
+                names |= _taken(resolve_args(part.get('file', '')))
+        return names
+    except (OSError, ElementTree.ParseError, SubstitutionException,
+            rospkg.ResourceNotFound) as error:
+        raise UserError('the launch files cannot be used: {}: {}'.format(path, one_line(error)),
+                        'try them with roslaunch') from None
 
 
 class Launch:
