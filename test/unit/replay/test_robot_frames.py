@@ -9,7 +9,7 @@ from img_recog.rendering.light import LightSettings
 from img_recog.replay.robot_frames import RobotFrames
 from img_recog.simulation.settings import CameraSettings
 from img_recog_testing.robots import assemble
-from img_recog_testing.sdf import sdf
+from img_recog_testing.sdf import BUILT_IN, sdf
 
 SETTINGS = CameraSettings(camera_frame='base_link', camera_z=0.15, camera_x=0.05, camera_width=64,
                           camera_height=48, camera_rate=30.0, camera_optical_frame='lens')
@@ -23,7 +23,7 @@ POST = ('<model name="post"><static>1</static><pose>2 0 0.25 0 0 0</pose><link n
 def field(tmp_path):
     """The path of a world with a blue post ahead of the origin."""
     path = tmp_path / 'field.world'
-    path.write_text(sdf(POST))
+    path.write_text(sdf(BUILT_IN, POST))
     return str(path)
 
 
