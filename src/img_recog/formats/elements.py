@@ -30,7 +30,7 @@ class Row(NamedTuple):
 _CONTACTS = 'contacts are those of PyBullet, which give way less'
 _SHADOWS = 'no shadows are drawn, as in Gazebo without a graphics card'
 _INERTIA = Row('ixx ixy ixz iyy iyz izz')
-_NOISE = Row('type mean stddev bias_mean bias_stddev rate accel', no_effect='precision',
+_NOISE = Row('type mean stddev bias_mean bias_stddev precision',
              not_simulated='dynamic_bias_stddev=0 dynamic_bias_correlation_time=0')
 _CAMERA = Row('horizontal_fov image clip noise distortion lens pose depth_camera',
               no_effect='save visibility_mask', why='images are published')
@@ -52,18 +52,20 @@ SENSORS: Dict[str, Row] = {
     'sensor/camera': _CAMERA,
     'camera/image': Row('width height format', not_simulated='anti_aliasing'),
     'camera/clip': Row('near far'),
+    'camera/noise': Row('type mean stddev', no_effect='bias_mean bias_stddev precision '
+                        'dynamic_bias_stddev dynamic_bias_correlation_time',
+                        why='images have none in Gazebo either'),
     'distortion': Row('k1 k2 k3 p1 p2 center'),
     'lens': Row('type scale_to_hfov custom_function cutoff_angle env_texture_size',
                 not_simulated='intrinsics projection'),
     'custom_function': Row('c1 c2 c3 f fun'),
     'depth_camera': Row('output clip'), 'depth_camera/clip': Row('near far'),
-    'sensor/imu': Row('noise angular_velocity linear_acceleration topic',
-                      no_effect='orientation_reference_frame enable_orientation'),
-    'imu/noise': Row('type rate accel'),
+    # until SDF 1.5, <noise> is read as that of each axis, in sdf_versions.py
+    'sensor/imu': Row('angular_velocity linear_acceleration topic',
+                      no_effect='orientation_reference_frame enable_orientation',
+                      not_simulated='noise'),
     'angular_velocity': Row('x y z'), 'linear_acceleration': Row('x y z'),
     'x': Row('noise'), 'y': Row('noise'), 'z': Row('noise'),
-    'rate': Row('mean stddev bias_mean bias_stddev'),
-    'accel': Row('mean stddev bias_mean bias_stddev'),
     'sensor/contact': Row('collision topic'),
     'sonar': Row('min max radius', no_effect='geometry'),
     'plugin': Row(anything=True),

@@ -25,10 +25,13 @@ class Reader(NamedTuple):
     """How a text is read.
 
     read: raises ValueError or KeyError; returns None for a value that leaves the setting alone.
+    of_element: whether it gets the element and what it is called instead; it raises
+    SimulationError then.
     """
 
     expected: str
-    read: Callable[[str], Any]
+    read: Callable[..., Any]
+    of_element: bool = False
 
 
 class Row(NamedTuple):
@@ -197,10 +200,7 @@ def _label(element: ElementTree.Element, attribute: str) -> str:
 
 
 def _values_in(part: _Part, tags: Tags, step_s: float) -> Values:
-    values: Values = dict(tags.bare) if part.plugin is None else {}
-    for word, defaults in tags.defaults.items():
-        if part.plugin is not None and word in part.plugin.get('filename', ''):
-            values.update(defaults)
+    values: Values = {}
     if tags.frame and part.link:
         values[tags.frame] = part.link
     for row in tags.rows:
@@ -210,12 +210,21 @@ def _values_in(part: _Part, tags: Tags, step_s: float) -> Values:
         if owner is not None and path is not None:
             value = _value(owner, path, row.reader)
             if value is not None:
-                if row.reader is RATE:      # of a sensor's and a plugin's, the lower one counts
+                # of a sensor's and a plugin's, the lower one counts
+                if row.reader is RATE or row.reader is RAY_RATE:
                     value = max(nearest_period(value, step_s), values.get(row.setting, 0))
                 elif row.reader is TOPIC:
                     value = _in_namespace(value, owner)
                 values[row.setting] = value
-    return values
+    return {**_defaults_in(part, tags, step_s), **values}
+
+
+def _defaults_in(part: _Part, tags: Tags, step_s: float) -> Values:
+    found: Values = dict(tags.bare) if part.plugin is None else {}
+    for word, defaults in tags.defaults.items():
+        if part.plugin is not None and word in part.plugin.get('filename', ''):
+            found.update(defaults)
+    return {name: step_s if value == EACH_STEP else value for name, value in found.items()}
 
 
 def _in_namespace(topic: str, plugin: ElementTree.Element) -> str:
@@ -226,6 +235,8 @@ def _in_namespace(topic: str, plugin: ElementTree.Element) -> str:
 
 
 def _value(owner: ElementTree.Element, path: str, reader: Reader) -> Any:
+    if reader.of_element:
+        return reader.read(owner.find(path), '{} of {}'.format(path, _label(owner, 'name')))
     text = text_of(owner, path)
     if reader is NAMES:
         text = ', '.join(filter(None, ((each.text or '').strip() for each in owner.findall(path))))
@@ -274,6 +285,8 @@ FLAG = choice('true, false, 1 or 0', {'true': True, '1': True, 'false': False, '
 POSITIVE = Reader('a finite number', lambda text: max(_number(text), 0.0) or None)
 # for one or each axis
 DEVIATION = Reader('finite numbers', _deviation)
-# in Hz, for the setting of a period; 0 means "each physics step" in Gazebo; here it leaves the
-# default
-RATE = Reader(*POSITIVE)
+# in Hz, for the setting of a period; 0 means "each physics step"
+RATE = Reader('a finite number', lambda text: POSITIVE.read(text) or math.inf)
+# of rays, which take long: 0 leaves the default
+RAY_RATE = Reader(*POSITIVE)
+EACH_STEP = 'each step'     # the default of a period

@@ -6,7 +6,7 @@ from typing import Callable, Sequence
 from img_recog.errors import SimulationError
 from img_recog.files import FindFile
 from img_recog.formats import (drive_controllers, drive_tags, lumping, names, sdf_file,
-                               sdf_frames, urdf, world_file)
+                               sdf_versions, urdf, world_file)
 from img_recog.formats.drive_controllers import FindControllers
 from img_recog.formats.problems import Problems
 from img_recog.markup import MarkupError, check_expanded, parse_xml
@@ -41,7 +41,7 @@ def read(text: str, name: str, find: FindFile,
         root = parse_xml(text)
         check_expanded(root)
         if root.tag in ('robot', 'sdf'):
-            sdf_frames.use_radians(root)
+            sdf_versions.unify(root)
             problems.audit(root)
         if root.tag == 'robot':
             trees = _of_urdf(root, name, find, problems)

@@ -15,10 +15,11 @@ from img_recog.formats import (lights, sdf_frames, sdf_models, sdf_populations, 
 from img_recog.formats.audit import NOT_USED
 from img_recog.formats.numbers import read_numbers
 from img_recog.formats.problems import NOT_DOWNLOADED, Problems
-from img_recog.formats.sdf_files import find_above, find_relative, model_file, parsed, version_of
+from img_recog.formats.sdf_files import find_above, find_relative, model_file, parsed
 from img_recog.formats.sdf_frames import Scope
-from img_recog.formats.sdf_joints import INCLUDED, Version
+from img_recog.formats.sdf_joints import INCLUDED
 from img_recog.formats.sdf_states import Starts
+from img_recog.formats.sdf_versions import Version, version_of
 from img_recog.formats.texts import is_true, name_of, text_of
 from img_recog.markup import parse_xml
 from img_recog.model import SUN, Light, Surroundings, Tree

@@ -1,16 +1,12 @@
 """Finds and reads the files that an SDF file refers to."""
 import os
-import re
 import xml.etree.ElementTree as ElementTree
 from typing import Callable, Optional
 
 from img_recog.errors import SimulationError
 from img_recog.files import FindFile, plain
-from img_recog.formats import sdf_frames
-from img_recog.formats.sdf_joints import Version
+from img_recog.formats import sdf_versions
 from img_recog.markup import MarkupError, parse_xml, read_bytes
-
-_VERSION = re.compile('[0-9]{1,9}([.][0-9]{1,9})*')
 
 
 def find_relative(folder: str, find: FindFile) -> Callable[[str], Optional[str]]:
@@ -41,7 +37,7 @@ def model_file(path: str) -> Optional[str]:
     names = ['model.sdf']
     config = os.path.join(path, 'model.config')
     if os.path.isfile(config):
-        found = [(version_of(sdf), (sdf.text or '').strip())
+        found = [(sdf_versions.version_of(sdf), (sdf.text or '').strip())
                  for sdf in parsed(config, 'model').findall('sdf')]
         names = [name for _, name in sorted(found, reverse=True) if name] + names
     paths = (os.path.join(path, name) for name in names)
@@ -59,11 +55,5 @@ def parsed(path: str, tag: str = 'sdf') -> ElementTree.Element:
     if root.tag != tag:
         raise SimulationError('the root element of {} is <{}>, not <{}>'.format(
             path, root.tag, tag))
-    sdf_frames.use_radians(root)
+    sdf_versions.unify(root)
     return root
-
-
-def version_of(element: ElementTree.Element) -> Version:
-    """Return the version of SDF that an element states, (0,) if it states none."""
-    text = element.get('version', '').strip()
-    return tuple(map(int, text.split('.'))) if _VERSION.fullmatch(text) else (0,)

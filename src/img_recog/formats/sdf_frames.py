@@ -1,6 +1,4 @@
 """The poses in an SDF, and the frames that they are given in."""
-import contextlib
-import re
 import xml.etree.ElementTree as ElementTree
 from typing import Dict, Optional, Sequence
 
@@ -11,7 +9,7 @@ from img_recog.errors import SimulationError
 from img_recog.formats.audit import NOT_KNOWN
 from img_recog.formats.numbers import read_lengths, words
 from img_recog.formats.problems import Problems
-from img_recog.formats.texts import is_true, name_of, text_of
+from img_recog.formats.texts import name_of, text_of
 from img_recog.rotations import IDENTITY, Transform, transform
 
 WORLD = 'world'
@@ -31,31 +29,6 @@ def set_pose(element: ElementTree.Element, pose: Transform) -> None:
         element.remove(old)
     ElementTree.SubElement(element, 'pose').text = words(
         (*pose.translation, *rotations.to_rpy(pose.rotation)))
-
-
-def use_radians(root: ElementTree.Element) -> None:
-    """Write each <pose> of an <sdf> in the form that `pose_of` reads; the others are since 1.9.
-
-    Before, Gazebo does not know their attributes.
-    """
-    if not re.fullmatch(r'1[.](9|[1-9][0-9])|[2-9].*', root.get('version', '').strip()):
-        return
-    for element in root.iter('pose'):
-        angles, is_quaternion = (element.text or '').split(), (
-            element.get('rotation_format') == 'quat_xyzw')
-        if not element.get('degrees') and not is_quaternion:
-            element.attrib.pop('rotation_format', None)
-            continue
-        with contextlib.suppress(SimulationError):      # `pose_of` says so
-            values = read_lengths('', ' '.join(angles), 7 if is_quaternion else 6)
-            if is_quaternion:
-                turn = rotations.to_rpy(rotations.matrix(values[3:] / np.linalg.norm(values[3:])))
-            else:
-                is_degrees = is_true(element.get('degrees'))
-                turn = np.radians(values[3:]) if is_degrees else values[3:]
-            element.text = words((*values[:3], *turn))
-        for name in ('degrees', 'rotation_format'):
-            element.attrib.pop(name, None)
 
 
 class Scope:

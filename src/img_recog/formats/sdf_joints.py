@@ -10,6 +10,7 @@ from img_recog.formats.elements import NOT_SIMULATED
 from img_recog.formats.numbers import read_direction, read_limit, read_number
 from img_recog.formats.problems import Problems
 from img_recog.formats.sdf_frames import WORLD, Scope
+from img_recog.formats.sdf_versions import Version
 from img_recog.formats.texts import is_true, name_of, text_of
 from img_recog.model import CONTINUOUS, FIXED, PRISMATIC, REVOLUTE
 from img_recog.rotations import IDENTITY, Transform
@@ -25,7 +26,6 @@ INCLUDED = 'included'           # an attribute of a model that another one inclu
 _DYNAMICS = {'damping': 'damping', 'friction': 'friction', 'stiffness': 'spring_stiffness',
              'reference': 'spring_reference'}
 
-Version = Tuple[int, ...]       # of the SDF format, like (1, 6)
 
 
 class SdfLink(NamedTuple):

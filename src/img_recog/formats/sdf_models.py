@@ -10,8 +10,9 @@ from img_recog.formats import frictions, lights, sdf_links, sdf_states
 from img_recog.formats.elements import NOT_SIMULATED
 from img_recog.formats.problems import Problems
 from img_recog.formats.sdf_frames import WORLD, pose_of
-from img_recog.formats.sdf_joints import NO_LIMIT, Axis, Joints, SdfJoint, SdfLink, Version
+from img_recog.formats.sdf_joints import NO_LIMIT, Axis, Joints, SdfJoint, SdfLink
 from img_recog.formats.sdf_states import Starts
+from img_recog.formats.sdf_versions import Version
 from img_recog.formats.texts import is_true, name_of
 from img_recog.model import (CONTINUOUS, FIXED, HEIGHTMAP, NO_INERTIA, PLANE, PRISMATIC, REVOLUTE,
                              Frame, Inertia, Joint, Light, Limits, Link, Look, Model, Solid, Tag,

@@ -3,14 +3,14 @@
 What Gazebo's tags say of links is in them: friction, materials and contact sensors.
 """
 import xml.etree.ElementTree as ElementTree
-from typing import List, Tuple, Union
+from typing import Iterable, List, Tuple, Union
 
 from img_recog.errors import SimulationError
 from img_recog.files import FindFile
 from img_recog.formats import drive_controllers
 from img_recog.formats.drive_controllers import FindControllers
 from img_recog.formats.numbers import read_direction, read_limit, read_number
-from img_recog.formats.texts import name_of
+from img_recog.formats.texts import is_true, name_of
 from img_recog.formats.urdf_links import Links, origin_of, text_of_tags
 from img_recog.markup import MarkupError, check_expanded, parse_xml
 from img_recog.model import FIXED, PRISMATIC, REVOLUTE, Joint, Limits, Model, Tag
@@ -57,6 +57,7 @@ def read(robot: ElementTree.Element, find: FindFile,
     held = drive_controllers.held(robot, controllers)
     joints = tuple(_joint(joint, links, robot)._replace(held=held.get(name_of(joint), 0.0))
                    for joint in robot.findall('joint'))
+    _name_lumped_links(robot, joints)
     reader = Links(robot, find)
     xacro = check_expanded(robot)
     return Model(
@@ -76,6 +77,21 @@ def used_tags(robot: ElementTree.Element, model: Model) -> Tuple[List[Tag], List
     known = {'', *model.frames, *(joint.get('name') for joint in robot.findall('joint'))}
     return ([tag for tag in model.tags if tag.link in known],
             list(dict.fromkeys(tag.link for tag in model.tags if tag.link not in known)))
+
+
+def _name_lumped_links(robot: ElementTree.Element, joints: Iterable[Joint]) -> None:
+    """Let plugins outside of sensors name the links into which those that they name are lumped.
+
+    As Gazebo's SDFormat does, which moves them there.
+    """
+    above = {joint.child: joint.parent for joint in joints if joint.kind == FIXED and not is_true(
+        text_of_tags(robot, joint.name, 'disableFixedJointLumping', 'preserveFixedJoint'))}
+    for plugin in robot.findall('gazebo/plugin'):
+        for element in (*plugin.findall('bodyName'), *plugin.findall('frameName')):
+            name, higher = (element.text or '').strip(), dict(above)
+            while name in higher:
+                name = higher.pop(name)         # a link can be its own ancestor
+            element.text = name
 
 
 def _joint(joint: ElementTree.Element, links: List[str], robot: ElementTree.Element) -> Joint:

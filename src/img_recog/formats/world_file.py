@@ -7,7 +7,7 @@ from typing import Callable, Dict, NamedTuple, Optional, Tuple, Union
 
 from img_recog.errors import SimulationError
 from img_recog.files import FindFile, find_in, find_user_path
-from img_recog.formats import sdf_file, sdf_frames, urdf
+from img_recog.formats import sdf_file, sdf_versions, urdf
 from img_recog.formats.audit import Finding
 from img_recog.formats.problems import Problems
 from img_recog.markup import MarkupError, check_expanded, parse_xml, read_bytes
@@ -60,7 +60,7 @@ def read(world: str, worlds: Dict[str, str], find: FindFile = lambda uri: None,
     path = path if os.path.isfile(path) else find(path) or path     # like worlds/hall.world
     root = _parsed(world, path, worlds, read_file)
     problems = Problems()
-    sdf_frames.use_radians(root)
+    sdf_versions.unify(root)
     problems.audit(root)
     try:
         if root.tag == 'robot':

@@ -75,7 +75,8 @@ class Carrier:
         self._sensors[sensor.name] = ScheduledSensor(
             sensor.name, kind.name,
             whole_steps(period, getattr(settings, period), self._world.step_s),
-            kind.make(Mount(self.robot, self._world, noise, drive, mount, link), settings))
+            kind.make(Mount(self.robot, self._world, noise, drive, mount, link,
+                            sensor.values.get(kind.name + '_noises', ())), settings))
 
     def mount_camera(self, settings: CameraSettings, poses: Callable[[], np.ndarray]) -> str:
         """Add a camera, which is disabled; return the name of the sensor.

@@ -6,6 +6,7 @@ import pytest
 
 from img_recog.conversions.sensor_table import SENSORS
 from img_recog.formats.drive_tags import DIFF_DRIVE, PLUGINS
+from img_recog.formats.noises import Noise
 from img_recog.settings import setting_fields
 from img_recog_testing import parsed
 from img_recog_testing.refusals import refusal
@@ -36,7 +37,7 @@ RANGE_SETTINGS = {
     'range_field_of_view': 0.2, 'range_radiation': 'ultrasound', 'range_frame': 'ear',
     'range_topic': 'sonar'}
 IMU_SETTINGS = {'imu_frame': 'imu_link', 'imu_topic': 'imu', 'imu_period_s': 0.005,
-                'gyro_noise': 2e-4, 'accel_noise': 1.7e-2}
+                'gyro_noise': 0.0, 'accel_noise': 0.0, 'imu_gravity': False}
 NOISE = ('<imu><noise><type>gaussian</type><rate><mean>0.0</mean><stddev>2e-4</stddev></rate>'
          '<accel><mean>0.0</mean><stddev>1.7e-2</stddev></accel></noise></imu>')
 LASER = '<frameName>base_scan</frameName><topicName>scan</topicName>'
@@ -83,6 +84,11 @@ def imu(noise=NOISE, **changed):
     values = {'alwaysOn': 'true', 'bodyName': 'imu_link', 'topicName': 'imu',
               'gaussianNoise': '0.0', 'updateRate': '200'}
     return gazebo(plugin(tags({**values, **changed}) + noise, 'gazebo_ros_imu', 'inertia'))
+
+
+def axis_noise(group, axis, kind='gaussian', **values):
+    return '<{0}><{1}><noise type="{2}">{3}</noise></{1}></{0}>'.format(
+        group, axis, kind, tags(values))
 
 
 def imu_sensor(inside, noise='', rate='100'):
@@ -139,9 +145,10 @@ def test_our_own_burger_gives_no_setting():
 
 
 @pytest.mark.parametrize('rate', ['0', '-0.5', '-7'])
-def test_rates_of_zero_or_less_are_left_to_the_simulator(rate):
-    values = overrides(robot(drive(updateRate=rate), ray(rate=rate), imu(updateRate=rate)))
-    assert not [name for name in values if name.endswith('_period_s')]
+def test_rates_of_zero_or_less_are_each_step_but_of_rays(rate):
+    values = overrides(robot(drive(updateRate=rate), ray(rate=rate), imu(updateRate=rate)), 0.004)
+    assert {name: value for name, value in values.items() if name.endswith('_period_s')} == {
+        'odometry_period_s': 0.004, 'joint_states_period_s': 0.004, 'imu_period_s': 0.004}
 
 
 @pytest.mark.parametrize('elements, wanted', [
@@ -171,12 +178,21 @@ def test_rates_of_zero_or_less_are_left_to_the_simulator(rate):
     (ray(laser='', link=None), {'scan_frame': None}),
     (ray(link='laser'), {'scan_frame': 'base_scan'}),
     (imu_sensor(''), {'imu_frame': 'imu_link'}), (imu(frameName='imu'), {'imu_frame': 'imu'}),
-    # the single noise of the IMU counts where it is alone and not zero
+    # the plugin does not look at <imu>
     (imu('', gaussianNoise='0.3'), {'gyro_noise': 0.3, 'accel_noise': 0.3}),
-    (imu(gaussianNoise='0.3'), {'gyro_noise': 2e-4, 'accel_noise': 1.7e-2}),
-    (imu(''), {'gyro_noise': None, 'accel_noise': None}),
+    (imu(gaussianNoise='0.3'), {'gyro_noise': 0.3, 'accel_noise': 0.3, 'imu_noises': None}),
+    (imu(''), {'gyro_noise': 0.0, 'accel_noise': 0.0}),
     # a noise of zero that is given is a setting
-    (ray(noise='0'), {'scan_noise': 0.0}), (imu(NOISE.replace('2e-4', '0')), {'gyro_noise': 0.0})])
+    (ray(noise='0'), {'scan_noise': 0.0, 'scan_noises': None}),
+    (ray().replace('gaussian', 'none').replace('<mean>0.0', '<mean>1'),
+     {'scan_noise': 0.0, 'scan_noises': None}),
+    (ray().replace('<mean>0.0', '<mean>0.5'), {'scan_noise': 0.01, 'scan_noises': (Noise(0.5),)}),
+    # each plugin has its own defaults
+    (gazebo(plugin('<bodyName>b</bodyName>', 'gazebo_ros_imu')),
+     {'imu_topic': 'default_imu', 'imu_period_s': 0.001, 'imu_gravity': False, 'imu_frame': 'b'}),
+    (imu_sensor('', rate='0'), {'imu_topic': 'imu', 'imu_period_s': 0.001, 'imu_gravity': True}),
+    (imu_sensor('').replace('<update_rate>100</update_rate>', ''), {'imu_period_s': 1.0}),
+    (imu_sensor('<updateRateHZ>50</updateRateHZ>'), {'imu_period_s': 0.02})])
 def test_values(elements, wanted):
     values = overrides(robot(elements))
     assert {name: values.get(name) for name in wanted} == wanted
@@ -186,9 +202,14 @@ def test_values(elements, wanted):
     (gazebo(plugin('<torque>7</torque>', 'gazebo_ros_diff_drive')), {'wheel_torque': 7.0}),
     (ray('gpu_ray', 'gazebo_ros_gpu_laser'), SCAN_SETTINGS),
     (ray(library='gazebo_ros_range', laser=tags(RANGE_TAGS)), RANGE_SETTINGS),
-    (imu_sensor('<topicName>imu</topicName>', NOISE), {**IMU_SETTINGS, 'imu_period_s': 0.01}),
-    (imu_sensor('<frameName>body</frameName><updateRateHZ>50</updateRateHZ>'),
-     {'imu_frame': 'body', 'imu_period_s': 0.02})])
+    # the form for all axes is not read since SDF 1.6, which a URDF is
+    (imu_sensor('<topicName>imu</topicName>', NOISE),
+     {**IMU_SETTINGS, 'imu_gravity': True, 'imu_period_s': 0.01}),
+    (imu_sensor('<frameName>imu_link</frameName>', '<imu>' + axis_noise(
+        'linear_acceleration', 'y', mean='1', stddev='2', bias_mean='3', bias_stddev='4',
+        precision='5') + axis_noise('angular_velocity', 'z', 'gaussian_quantized', precision='5')
+        + '</imu>'), {**IMU_SETTINGS, 'imu_gravity': True, 'imu_period_s': 0.01, 'imu_noises': (
+            Noise(), Noise(), Noise(precision=5), Noise(), Noise(1, 2, 3, 4), Noise())})])
 def test_these_values_alone(elements, wanted):
     assert overrides(robot(elements)) == wanted
 
@@ -227,8 +248,8 @@ def test_place_of_a_sensor_is_its_link_and_pose_and_of_a_plugin_its_body():
 
 @pytest.mark.parametrize('kind', SENSORS, ids=lambda kind: kind.name)
 def test_tags_and_defaults_of_plugins_are_of_settings_that_there_are(kind):
-    named = {row.setting for row in kind.tags.rows}.union([kind.tags.frame] * bool(
-        kind.tags.frame), *kind.tags.defaults.values())
+    named = {row.setting for row in kind.tags.rows if not row.reader.of_element}.union(
+        [kind.tags.frame] * bool(kind.tags.frame), *kind.tags.defaults.values())
     assert named <= {field.name for field in setting_fields(kind.settings)}
 
 
@@ -259,7 +280,8 @@ def test_imu_of_hector():
                   '<accelGaussianNoise>3 4 0</accelGaussianNoise><updateRate>50</updateRate>'
                   '<rateGaussianNoise>0.1</rateGaussianNoise>', 'hector_gazebo_ros_imu')
     assert overrides(robot(gazebo(unit))) == {
-        'imu_frame': 'f', 'imu_topic': 't', 'imu_period_s': 0.02, 'gyro_noise': 0.1,
+        'imu_frame': 'f', 'imu_topic': 't', 'imu_period_s': 0.02, 'imu_gravity': True,
+        'gyro_noise': 0.1,
         'accel_noise': pytest.approx((25 / 3) ** 0.5)}
 
 
@@ -300,8 +322,8 @@ def test_refuses_what_is_not_a_finite_number(text):
     (ray(samples='many'),
      "<ray/scan/horizontal/samples> of sensor lds: got 'many', expected a who"),
     (ray(far='far'), "<ray/range/max> of sensor lds: got 'far', expected a finite number"),
-    (imu(NOISE.replace('2e-4', 'a\nb')),
-     "<imu/noise/rate/stddev> of plugin inertia: got 'a\\nb', expected a finite number"),
+    (imu_sensor('', '<imu>{}</imu>'.format(axis_noise('angular_velocity', 'x', stddev='a\nb'))),
+     "<stddev> of angular_velocity/x/noise of imu of sensor imu: got 'a\\nb', expected 1 finite"),
     (imu('', gaussianNoise='low'),
      "<gaussianNoise> of plugin inertia: got 'low', expected a finite"),
     (gazebo('<plugin filename="libgazebo_ros_imu.so"><updateRate>x</updateRate></plugin>'),

@@ -4,46 +4,54 @@ from typing import Iterator, List, NamedTuple, Optional
 
 import numpy as np
 
-from img_recog.formats.gazebo_tags import DEVIATION, NAME, NUMBER, POSITIVE, RATE, TOPIC, Row, Tags
+from img_recog.formats import noises
+from img_recog.formats.gazebo_tags import (DEVIATION, EACH_STEP, NAME, POSITIVE, RATE, TOPIC,
+                                           Reader, Row, Tags, Values)
+from img_recog.formats.noises import Noise
 from img_recog.rotations import Quaternion, into_frame
 from img_recog.settings import Settings, above, at_least, not_empty, setting
 from img_recog.simulation.physics.body import Vector, velocity_at
 from img_recog.simulation.sensors.sensor import Mount, Sensor
 
 _NOISE_ROWS = 1000          # drawn at a time
+_AXES = 6                   # of angular velocity and acceleration
+_QUIET: Values = {'gyro_noise': 0.0, 'accel_noise': 0.0}
 
 # of libgazebo_ros_imu and _imu_sensor of gazebo_plugins, of libhector_gazebo_ros_imu, and of
-# Gazebo's own imu sensors
+# Gazebo's own imu sensors, whose <noise> only _imu_sensor gets
 TAGS = Tags(('gazebo_ros_imu',), (
-    # The plugins add gaussianNoise to angular velocities and accelerations alike. Most files have
-    # its default, 0 (the official ones together with <imu><noise>): 0 is ignored.
+    # added to angular velocities and accelerations alike
     Row('gyro_noise', POSITIVE, 'plugin', 'gaussianNoise'),
     Row('accel_noise', POSITIVE, 'plugin', 'gaussianNoise'),
     Row('imu_period_s', RATE, 'sensor', 'update_rate'),
-    Row('gyro_noise', NUMBER, 'sensor', 'imu/noise/rate/stddev'),
-    Row('accel_noise', NUMBER, 'sensor', 'imu/noise/accel/stddev'),
+    Row('imu_noises', Reader('', noises.of_imu, of_element=True), 'sensor', 'imu'),
     Row('imu_frame', NAME, 'plugin', 'frameName', 'bodyName'),
     Row('imu_frame', NAME, 'plugin', 'frameId'),
     Row('gyro_noise', DEVIATION, 'plugin', 'rateGaussianNoise'),
     Row('accel_noise', DEVIATION, 'plugin', 'accelGaussianNoise'),
     Row('imu_topic', TOPIC, 'plugin', 'topicName'),
-    Row('imu_period_s', RATE, 'plugin', 'updateRate', 'updateRateHZ'),
-    Row('gyro_noise', NUMBER, 'plugin', 'imu/noise/rate/stddev'),
-    Row('accel_noise', NUMBER, 'plugin', 'imu/noise/accel/stddev')),
-    sensors=('imu',), frame='imu_frame', bare={'gyro_noise': 0.0, 'accel_noise': 0.0})
+    Row('imu_period_s', RATE, 'plugin', 'updateRate', 'updateRateHZ')),
+    sensors=('imu',), frame='imu_frame', bare={**_QUIET, 'imu_period_s': EACH_STEP},
+    defaults={'gazebo_ros_imu': {**_QUIET, 'imu_period_s': EACH_STEP, 'imu_gravity': False,
+                                 'imu_topic': 'default_imu'},
+              'gazebo_ros_imu_sensor': {'imu_period_s': 1.0, 'imu_gravity': True,
+                                        'imu_topic': 'imu'},
+              'hector': {'imu_gravity': True, 'imu_topic': 'imu'}})
 
 
 @dataclass(frozen=True)
 class ImuSettings(Settings):
     """The IMU; standard deviations of its noise in rad/s and m/s2.
 
-    imu_period_s: a multiple of the physics step, in simulated s.
+    imu_period_s: a multiple of the physics step, in simulated s. imu_gravity: whether the linear
+    acceleration is the specific force. The noise is in addition to that of SDF's <noise>.
     """
 
     imu_frame: str = setting('imu_link', not_empty())
     imu_period_s: float = setting(0.005, above(0))
     gyro_noise: float = setting(2e-4, at_least(0))
     accel_noise: float = setting(1.7e-2, at_least(0))
+    imu_gravity: bool = setting(True)
     imu_topic: str = setting('imu', not_empty())
 
 
@@ -51,7 +59,8 @@ class ImuReading(NamedTuple):
     """What the unit measures, in its own frame except for the orientation.
 
     orientation: unit quaternion (x, y, z, w), in the world, without noise; angular_velocity:
-    rad/s; linear_acceleration: specific force in m/s2, 9.8 upwards at rest (REP 145).
+    rad/s; linear_acceleration: specific force in m/s2, 9.8 upwards at rest (REP 145), or without
+    gravity, 0 at rest.
     """
 
     orientation: Quaternion
@@ -66,10 +75,14 @@ class Imu(Sensor):
         """Mount the unit on a link of the robot; SimulationError when there is no such link."""
         self._robot, self._frame = mount.robot, mount.frame('imu_frame', settings.imu_frame)
         self._period_s = settings.imu_period_s
-        self._noise = _rows(mount.noise,
-                            np.repeat((settings.gyro_noise, settings.accel_noise), 3))
+        given = mount.file_noises or (Noise(),) * _AXES
+        self._noise = _rows(
+            mount.noise, np.array([each.offset(mount.noise) for each in given]),
+            np.hypot(np.repeat((settings.gyro_noise, settings.accel_noise), 3),
+                     [each.deviation for each in given]))
+        self._rounded = [(number, each) for number, each in enumerate(given) if each.precision]
         # in the world; upwards under gravity, REP 145
-        self._force_at_rest = (-mount.robot.gravity()).tolist()
+        self._force_at_rest = (-mount.robot.gravity() * settings.imu_gravity).tolist()
         self.restart()
 
     def restart(self) -> None:
@@ -98,10 +111,17 @@ class Imu(Sensor):
         force = ((vx - lx) / period_s + gx, (vy - ly) / period_s + gy, (vz - lz) / period_s + gz)
         (ax, ay, az), (fx, fy, fz) = into_frame(orientation, state.angular, force)
         e0, e1, e2, e3, e4, e5 = next(self._noise)
-        return ImuReading(orientation, (ax + e0, ay + e1, az + e2), (fx + e3, fy + e4, fz + e5))
+        measured = ax + e0, ay + e1, az + e2, fx + e3, fy + e4, fz + e5
+        if self._rounded:
+            values = list(measured)
+            for number, noise in self._rounded:
+                values[number] = float(noise.rounded(measured[number]))
+            measured = tuple(values)
+        return ImuReading(orientation, measured[:3], measured[3:])
 
 
-def _rows(noise: np.random.RandomState, deviations: np.ndarray) -> Iterator[List[float]]:
-    """Yield rows of normally distributed noise with these standard deviations."""
+def _rows(noise: np.random.RandomState, means: np.ndarray,
+          deviations: np.ndarray) -> Iterator[List[float]]:
+    """Yield rows of normally distributed noise with these means and standard deviations."""
     while True:
-        yield from (noise.standard_normal((_NOISE_ROWS, len(deviations))) * deviations).tolist()
+        yield from (means + noise.standard_normal((_NOISE_ROWS, _AXES)) * deviations).tolist()

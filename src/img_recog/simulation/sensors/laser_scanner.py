@@ -1,12 +1,14 @@
 """A laser scanner, by default an LDS-01 like that of turtlebot3_gazebo."""
 import xml.etree.ElementTree as ElementTree
 from dataclasses import dataclass
-from typing import Optional, Sequence
+from typing import Optional, Sequence, Tuple
 
 import numpy as np
 
 from img_recog.errors import SimulationError
-from img_recog.formats.gazebo_tags import NAME, NUMBER, TOPIC, Row, Tags
+from img_recog.formats import noises
+from img_recog.formats.gazebo_tags import NAME, NUMBER, TOPIC, Reader, Row, Tags
+from img_recog.formats.noises import Noise
 from img_recog.formats.texts import name_of, text_of
 from img_recog.settings import Settings, above, any_value, at_least, between, not_empty, setting
 from img_recog.simulation.sensors import rays
@@ -20,13 +22,20 @@ def _other_rows(sensor: ElementTree.Element) -> Sequence[str]:
         'rows of rays of sensor {} above and below the middle one'.format(name_of(sensor))]
 
 
+def _rest(element: ElementTree.Element, name: str) -> Optional[Tuple[Noise]]:
+    noise = noises.read(element, name)._replace(deviation=0.0)
+    return None if noise == Noise() else (noise,)
+
+
 # of libgazebo_ros_laser and _gpu_laser of gazebo_plugins, and of Gazebo's own ray sensors
 TAGS = Tags(('gazebo_ros_laser', 'gazebo_ros_gpu_laser'), (
     *rays.fan_rows('scan'),
     Row('scan_resolution', NUMBER, 'sensor', 'ray/scan/horizontal/resolution'),
     Row('scan_range_min', NUMBER, 'sensor', 'ray/range/min'),
     Row('scan_range_max', NUMBER, 'sensor', 'ray/range/max'),
-    Row('scan_noise', NUMBER, 'sensor', 'ray/noise/stddev'),
+    Row('scan_noise', Reader('', lambda *given: noises.read(*given).deviation, of_element=True),
+        'sensor', 'ray/noise'),
+    Row('scan_noises', Reader('', _rest, of_element=True), 'sensor', 'ray/noise'),
     Row('scan_frame', NAME, 'plugin', 'frameName'),
     Row('scan_topic', TOPIC, 'plugin', 'topicName')),
     sensors=('ray', 'gpu_ray'), frame='scan_frame', needs_sensor=True,
@@ -101,6 +110,8 @@ class LaserScanner(RaySensor):
         self._ranges = settings.scan_rows * (
             settings.scan_samples if self._at is None else len(self._at))
         self._settings, self._noise = settings, mount.noise
+        self._file_noise = next(iter(mount.file_noises), Noise())
+        self._offset = self._file_noise.offset(mount.noise)
 
     def skip_noise(self, readings: int) -> None:
         """Pass over the noise of readings that are not made."""
@@ -116,7 +127,8 @@ class LaserScanner(RaySensor):
                 for row in distances.reshape(settings.scan_rows, -1)])
         missed = distances > settings.scan_range_max
         # drawn for every ray, so that the noise does not depend on what is hit
-        measured = distances + self._noise.normal(0.0, settings.scan_noise, len(distances))
+        measured = self._file_noise.rounded(distances + self._noise.normal(
+            self._offset, settings.scan_noise, len(distances)))
         measured = np.clip(measured, settings.scan_range_min, settings.scan_range_max)
         return np.where(missed, np.inf, measured)
 

@@ -7,7 +7,7 @@ import pybullet
 
 from img_recog import rotations
 from img_recog.errors import SimulationError
-from img_recog.formats.gazebo_tags import INTEGER, NUMBER, RATE, Row
+from img_recog.formats.gazebo_tags import INTEGER, NUMBER, RAY_RATE, Row
 from img_recog.simulation.physics.solids import Bundles
 from img_recog.simulation.sensors.sensor import Mount, Sensor
 
@@ -23,7 +23,7 @@ def fan_rows(prefix: str) -> Tuple[Row, ...]:
     """
     scan = 'ray/scan/'
     return tuple(Row(prefix + setting, reader, 'sensor', path) for setting, reader, path in (
-        ('_period_s', RATE, 'update_rate'),
+        ('_period_s', RAY_RATE, 'update_rate'),
         ('_samples', INTEGER, scan + 'horizontal/samples'),
         ('_angle_min', NUMBER, scan + 'horizontal/min_angle'),
         ('_angle_max', NUMBER, scan + 'horizontal/max_angle'),

@@ -5,6 +5,7 @@ from typing import Any, Callable, List, NamedTuple, Optional, Sequence
 import numpy as np
 
 from img_recog.formats.gazebo_tags import SensorTag, Tags, Values
+from img_recog.formats.noises import Noise
 from img_recog.model import Frame
 from img_recog.simulation.physics.drive import Drive
 from img_recog.simulation.physics.framed_body import FramedBody
@@ -34,7 +35,7 @@ class Mount(NamedTuple):
     robot: its links carry the sensor; noise: the random generator of this sensor alone; drive:
     of the robot, None for a model without one. place: a frame of the robot, where the tag of the
     sensor puts it, and link: the one of the robot that it names; '' if it has none: then the
-    sensor is on the link that its settings name.
+    sensor is on the link that its settings name. file_noises: those that SDF's <noise> gives.
     """
 
     robot: FramedBody
@@ -43,6 +44,7 @@ class Mount(NamedTuple):
     drive: Optional[Drive]
     place: str = ''
     link: str = ''
+    file_noises: Sequence[Noise] = ()
 
     def frame(self, setting: str, link: str) -> str:
         """Return the frame of the robot in which a sensor measures.

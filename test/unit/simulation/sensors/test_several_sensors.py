@@ -4,6 +4,7 @@ import math
 import numpy as np
 import pytest
 
+from img_recog.conversions import robot_msgs
 from img_recog.conversions.sensor_table import SENSORS
 from img_recog.errors import SimulationError
 from img_recog.formats import world_file
@@ -170,13 +171,36 @@ def test_a_value_that_is_not_allowed_names_the_sensor(tmp_path):
 
 
 def test_two_imus(tmp_path):
-    unit = ('<gazebo><plugin name="i" filename="libgazebo_ros_imu.so"><bodyName>{}</bodyName>'
-            '<topicName>{}</topicName><updateRate>100</updateRate></plugin></gazebo>')
+    unit = ('<gazebo><plugin name="i" filename="libhector_gazebo_ros_imu.so"><bodyName>{}'
+            '</bodyName><topicName>{}</topicName><updateRate>100</updateRate></plugin></gazebo>'
+            '<gazebo reference="nose_joint"><preserveFixedJoint>true</preserveFixedJoint></gazebo>')
     found = readings(built(tmp_path, unit.format('base_link', 'a'), unit.format('nose', 'b')))
     yaws = [2 * math.atan2(found[name].orientation[2], found[name].orientation[3])
             for name in ('imu', 'imu_2')]
     assert yaws == pytest.approx([0.0, math.pi / 2], abs=0.01)
     assert found['imu_2'].linear_acceleration[2] == pytest.approx(9.8, abs=0.1)
+
+
+@pytest.mark.parametrize('kept, frame', [
+    ('', 'base_footprint'), ('preserveFixedJoint', 'imu_link'),
+    ('disableFixedJointLumping', 'imu_link')])
+def test_the_unit_of_the_official_burger_is_that_of_the_plugin(tmp_path, kept, frame):
+    sim = built(tmp_path, (
+        '<gazebo><plugin name="i" filename="libgazebo_ros_imu.so"><bodyName>imu_link</bodyName>'
+        '<frameName>imu_link</frameName><topicName>imu</topicName><gaussianNoise>0.0'
+        '</gaussianNoise><updateRate>0</updateRate><imu><noise><rate><stddev>1</stddev></rate>'
+        '</noise></imu></plugin></gazebo><gazebo reference="imu_joint"><{0}>true</{0}></gazebo>'
+        ).format(kept or 'material'))
+    sim.advance(1000)
+    settings = sim.vehicles[0].settings.sensors['imu']
+    message = robot_msgs.imu_to_msg(readings(sim)['imu'], settings, robot_msgs.stamp_of(1.0))
+    assert (message.header.frame_id, settings.imu_period_s) == (frame, 0.001)
+    values = [each.value for each in sim.advance(50) if each.sensor == 'imu']
+    assert len(values) == 50
+    # at rest, without gravity and noise
+    for what in ('linear_acceleration', 'angular_velocity'):
+        assert np.abs([getattr(value, what) for value in values]).max() < 2e-3
+    assert not any(message.linear_acceleration_covariance)
 
 
 def test_a_plugin_on_a_link_that_is_missing_is_a_warning():
