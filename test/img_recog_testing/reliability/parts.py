@@ -1,17 +1,13 @@
 """The parts of `./run test --long`: how much each does at full length, and its figures."""
 import functools
 import itertools
-import os
 import pathlib
-import re
-import subprocess
 import tempfile
 from concurrent.futures import ThreadPoolExecutor
 from types import ModuleType
 from typing import Callable, Dict, List, NamedTuple, Optional, Sequence, Tuple
 
 from img_recog_testing import lockstep
-from img_recog_testing.pages import ROOT
 from img_recog_testing.processes import Process
 from img_recog_testing.reliability import (endings, figures, files, images, siege, soak,
                                            surroundings, twists)
@@ -25,12 +21,6 @@ STOPS, STOPS_WITHOUT_IMAGES, KILLS = 500, 200, 300
 SOAK_S = 1800.0
 LOCKSTEP_RUNS, LOCKSTEP_IMAGES = 100, 100
 CLOCK_JUMPS, FULL_DISK_S, SILENT_CONNECTIONS = 60, 60.0, 100
-_MANUAL_S = 900.0       # of wall time, each chapter
-# what the lines with its figures contain, and what it allows
-_CHAPTERS = {'slam': ('pillars|centers', '9 pillars, a cell in the frame of the map'),
-             'navigation': (r'goal \S', '0.1 m in the frame of the map'),
-             'dqn': (r'goal \S|goals|rewards', 'a goal'),
-             'autorace': ('images|corners|middle', '2 corners, inside the lane')}
 XMLRPC_S, PAGE_S, FILES = 300.0, 300.0, 3000
 
 # how results are printed that are not counts
@@ -216,28 +206,8 @@ def _lockstep_row(options: Options, kind: str, run: Callable[[Nodes, str], List]
         kind, count, LOCKSTEP_IMAGES, options.side_by_side), 'the same path', 'one path')
 
 
-def run_manual(options: Options) -> List[Row]:
-    """The chapters of the e-Manual; each is skipped if no sourced workspace has its packages."""
-    rows: List[Row] = []
-    with tempfile.TemporaryDirectory() as folder:
-        for chapter, (figure, limit) in _CHAPTERS.items():
-            done = subprocess.run(
-                ['./run', 'manual', chapter, 'web:=false', 'gui:=false', '--dir', folder],
-                cwd=ROOT, env=dict(os.environ, LC_ALL='C.UTF-8'), stdout=subprocess.PIPE,
-                stderr=subprocess.STDOUT, check=False, timeout=_MANUAL_S * options.factor)
-            output = done.stdout.decode(errors='replace')
-            # without gmapping, there is no map for navigation either
-            missing = re.search(r'\[run\] (these packages of ROS are missing: .*?|there is no map '
-                                r'.*?);', output)
-            assert missing or done.returncode == 0, output[-4000:]
-            rows += [(chapter, 'skipped: ' + missing[1], '')] if missing else [
-                (chapter, line, limit) for line in re.findall(
-                    r'\[run\] (.*(?:{}).*)'.format(figure), output)]
-    return rows
-
-
 PARTS: Dict[str, Callable[[Options], List[Row]]] = {
     'soak': run_soak, 'twists': run_twists, 'images': run_images, 'stops': run_stops,
     'stops_without_images': run_stops_without_images, 'kills': run_kills, 'clock': run_clock,
     'disk': run_disk, 'silent': run_silent, 'xmlrpc': run_xmlrpc,
-    'page': run_page, 'files': run_files, 'lockstep': run_lockstep, 'manual': run_manual}
+    'page': run_page, 'files': run_files, 'lockstep': run_lockstep}
