@@ -13,9 +13,6 @@ code 70), when no master answers (75), and after a shutdown from outside (77, as
 After any other exit code it is not: the reason is printed, and with --required, roslaunch is
 interrupted. Else this program waits for roslaunch to end it, because roslaunch would start it
 again whatever its exit code is.
-
-It keeps the node's parameters as they were at the first start. Before it starts the node again, it
-waits for a master, and sets those that a new master does not have.
 """
 import ctypes
 import os
@@ -46,7 +43,6 @@ class Respawner:
     def __init__(self, command, required):
         self._command, self._required = command, required
         self._name = _value('__name:=', command) or os.path.basename(command[0])
-        self._parameters = None
         self._libc = ctypes.CDLL(None)
         self._began_s = time.monotonic()
         self._parent = os.getppid()
@@ -74,8 +70,6 @@ class Respawner:
                 _STARTED_AGAIN.get(status) or _killed_by(-status),
                 ' in {:g} s'.format(delay_s) if delay_s else ''))
             self._wait(delay_s)
-            if self._parameters is not None:
-                self._parameters.set_again(lambda: self._signum)
             if self._signum:
                 return 0
             delay_s = min(_MAX_DELAY_S, max(_FIRST_DELAY_S, 2 * delay_s))
@@ -96,7 +90,6 @@ class Respawner:
         except OSError:         # the child has done that itself
             pass
         signal.pthread_sigmask(signal.SIG_UNBLOCK, _SIGNALS)
-        self._keep_parameters()
         _, status = os.waitpid(pid, 0)
         self._child = 0
         return -os.WTERMSIG(status) if os.WIFSIGNALED(status) else os.WEXITSTATUS(status)
@@ -118,16 +111,6 @@ class Respawner:
             sys.stderr.write('{}: {}\n'.format(self._command[0], error.strerror))
         finally:
             os._exit(127)
-
-    def _keep_parameters(self):
-        try:
-            if self._parameters is None:
-                # here, because it takes 50 ms; the node is started before
-                from img_recog.ros.master.kept_parameters import KeptParameters
-                self._parameters = KeptParameters(self._command, self._say, _SIGNALS)
-            self._parameters.keep()
-        except Exception as error:      # a package that is missing; the node can do without
-            self._say('does not keep the parameters: {!r}'.format(error))
 
     def _forward(self, signum, _):
         self._signum = signum

@@ -120,28 +120,6 @@ def test_new_master_knows_nodes_and_parameters(demo):
     assert 'Traceback' not in demo.output[after:]
 
 
-def test_nodes_that_die_without_a_master_come_back_with_their_parameters(demo):
-    def parameters():
-        return {name: demo.ros.parameter('/' + name)
-                for name in ('usb_cam', 'color_extract', 'gazebo')}
-    before, after = parameters(), len(demo.output)
-    assert before['usb_cam']['video_device'] == 'synthetic'
-    assert before['gazebo']['cmd_vel_timeout'] == 0.5
-    demo.ros.kill_master()
-    for name in PROGRAMS:
-        os.kill(demo.node(name), signal.SIGKILL)
-    demo.wait(r'\[respawn\] \S+: waits for the master at \S+ to answer: ', after, len(PROGRAMS))
-    back = len(demo.output)
-    demo.ros.start_master()
-    demo.wait('the robot is at the start: x -2.00 m, y -0.50 m', back)
-    demo.wait('camera: synthetic scene', back)
-    demo.wait_chain(back)
-    found = parameters()
-    for name, values in before.items():
-        assert {key: found[name].get(key) for key in values} == values, name
-    assert 'Traceback' not in demo.output[after:]
-
-
 @WATCHED
 def test_nodes_end_while_the_master_does_not_answer(demo):
     pids = [demo.node(name) for name in PROGRAMS]
