@@ -2,8 +2,6 @@
 import xml.etree.ElementTree as ElementTree
 from typing import Dict, Optional, Sequence
 
-import numpy as np
-
 from img_recog import rotations
 from img_recog.errors import SimulationError
 from img_recog.formats.audit import NOT_KNOWN

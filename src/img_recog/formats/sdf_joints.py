@@ -27,7 +27,6 @@ _DYNAMICS = {'damping': 'damping', 'friction': 'friction', 'stiffness': 'spring_
              'reference': 'spring_reference'}
 
 
-
 class SdfLink(NamedTuple):
     """A link by its full name; pose: in the outermost model; is_static: whether nothing moves it;
     space: see Link; scope: of the frames in it."""

@@ -111,7 +111,7 @@ class Imu(Sensor):
         force = ((vx - lx) / period_s + gx, (vy - ly) / period_s + gy, (vz - lz) / period_s + gz)
         (ax, ay, az), (fx, fy, fz) = into_frame(orientation, state.angular, force)
         e0, e1, e2, e3, e4, e5 = next(self._noise)
-        measured = ax + e0, ay + e1, az + e2, fx + e3, fy + e4, fz + e5
+        measured: Tuple[float, ...] = ax + e0, ay + e1, az + e2, fx + e3, fy + e4, fz + e5
         if self._rounded:
             values = list(measured)
             for number, noise in self._rounded:

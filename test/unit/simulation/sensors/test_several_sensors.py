@@ -173,7 +173,8 @@ def test_a_value_that_is_not_allowed_names_the_sensor(tmp_path):
 def test_two_imus(tmp_path):
     unit = ('<gazebo><plugin name="i" filename="libhector_gazebo_ros_imu.so"><bodyName>{}'
             '</bodyName><topicName>{}</topicName><updateRate>100</updateRate></plugin></gazebo>'
-            '<gazebo reference="nose_joint"><preserveFixedJoint>true</preserveFixedJoint></gazebo>')
+            '<gazebo reference="nose_joint"><preserveFixedJoint>true</preserveFixedJoint>'
+            '</gazebo>')
     found = readings(built(tmp_path, unit.format('base_link', 'a'), unit.format('nose', 'b')))
     yaws = [2 * math.atan2(found[name].orientation[2], found[name].orientation[3])
             for name in ('imu', 'imu_2')]
