@@ -18,8 +18,9 @@ _TOPICS = (
     Row('odometry_topic', TOPIC, 'plugin', 'odometryTopic'),
     Row('odom_frame', NAME, 'plugin', 'odometryFrame', 'odometry_frame'),
     Row('base_frame', NAME, 'plugin', 'robotBaseFrame', 'robot_base_frame'))
-# in Gazebo one plugin publishes odometry and joint states
+# in Gazebo one plugin sets the motors and publishes odometry and joint states
 _UPDATE_RATE = (
+    Row('drive_period_s', RATE, 'plugin', 'updateRate', 'update_rate'),
     Row('odometry_period_s', RATE, 'plugin', 'updateRate', 'update_rate'),
     Row('joint_states_period_s', RATE, 'plugin', 'updateRate', 'update_rate'))
 # of the two plugins for wheels of gazebo_plugins: 5 N m, no limit, and 100 Hz

@@ -24,7 +24,8 @@ DRIVE_SETTINGS = {
     'wheel_separation': 0.16, 'wheel_diameter': 0.066, 'wheel_torque': 10.0,
     'wheel_acceleration': 1.0, 'odometry_source': 'world', 'publish_odom_tf': True,
     'odom_frame': 'odom', 'base_frame': 'base_footprint', 'command_topic': 'cmd_vel',
-    'odometry_topic': 'odom', 'odometry_period_s': 0.033, 'joint_states_period_s': 0.033}
+    'odometry_topic': 'odom', 'odometry_period_s': 0.033, 'joint_states_period_s': 0.033,
+    'drive_period_s': 0.033}
 SCAN_SETTINGS = {
     'scan_period_s': 0.2, 'scan_samples': 360, 'scan_angle_min': 0.0, 'scan_angle_max': 6.28319,
     'scan_range_min': 0.12, 'scan_range_max': 3.5, 'scan_noise': 0.01,

@@ -25,6 +25,7 @@ def test_robot_with_its_tags_and_warnings():
     assert (robot.source, robot.model.name) == ('robot.urdf', 'turtlebot3_burger')
     assert robot.tag_values == {'wheel_separation': 0.3, 'odometry_period_s': pytest.approx(0.02),
                                 'joint_states_period_s': pytest.approx(0.02),
+                                'drive_period_s': pytest.approx(0.02),
                                 'wheel_torque': 5.0, 'wheel_acceleration': 0.0}
     mesh, tag = robot.warnings
     assert mesh.startswith('robot.urdf: mesh not found') and 'package://lost/x.stl' in mesh
@@ -81,7 +82,7 @@ def test_default_settings_are_those_of_tags_and_else_the_defaults():
     assert plain.sensors['scan'] == ScanSettings()
     settings = assembly.default_settings(read(burger().replace('</robot>', TAGS)))
     assert settings.drive == DriveSettings(wheel_separation=0.3, wheel_torque=5.0,
-                                           wheel_acceleration=0.0)
+                                           wheel_acceleration=0.0, drive_period_s=0.02)
     assert settings.sensors['odometry'].odometry_period_s == pytest.approx(0.02)
     assert settings.sensors['scan'] == ScanSettings()
 

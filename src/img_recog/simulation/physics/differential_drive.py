@@ -42,7 +42,7 @@ class DifferentialDrive(Drive):
 
     def reset(self) -> None:
         """Forget the last command and stand."""
-        self._sent: _Sides = (0.0, 0.0)
+        self._ramp: _Sides = (0.0, 0.0)
         super().reset()
 
     def notify_stopped(self) -> None:
@@ -53,24 +53,28 @@ class DifferentialDrive(Drive):
         """Set the target velocities of the wheels."""
         difference = velocity.turn * self._separation / 2
         target = velocity.forward - difference, velocity.forward + difference
-        if self._sent != target:
-            if self._max_change == 0 or self._is_near(target, robot):
-                self._sent = target
-            else:
-                self._sent = (self._ramped(self._sent[0], target[0]),
-                              self._ramped(self._sent[1], target[1]))
-        if self._sent != self._set:
-            self._set = self._sent
-            (left, right), (left_radius, right_radius) = self._sent, self._radii
+        speeds = self._towards(target, robot)
+        if speeds != self._set:
+            self._set = speeds
+            (left, right), (left_radius, right_radius) = speeds, self._radii
             robot.set_wheel_velocities((left / left_radius,) * self._counts[0]
                                        + (right / right_radius,) * self._counts[1])
 
-    def _is_near(self, target: _Sides, robot: SimulatedRobot) -> bool:
-        return any(abs(wanted - speed) < _RAMP_END_TOLERANCE
-                   for wanted, speed in zip(target, self._rims(robot.wheel_velocities())))
+    def _towards(self, target: _Sides, robot: SimulatedRobot) -> _Sides:
+        """Return what the motors are set to for a target.
 
-    def _ramped(self, sent: float, target: float) -> float:
-        return sent + max(-self._max_change, min(self._max_change, target - sent))
+        The ramp is that of gazebo_plugins: what the wheels lack now is added to what it was last.
+        So where they slip it goes beyond the target, and there the next one begins.
+        """
+        if self._max_change == 0:
+            return target
+        now = self._rims(robot.wheel_velocities())
+        if any(abs(wanted - speed) < _RAMP_END_TOLERANCE for wanted, speed in zip(target, now)):
+            return target
+        left, right = (before + max(-self._max_change, min(self._max_change, wanted - speed))
+                       for before, wanted, speed in zip(self._ramp, target, now))
+        self._ramp = left, right
+        return self._ramp
 
     def _rims(self, wheels: Sequence[float]) -> _Sides:
         """Return the mean of each side at the rims, in m or m/s, of values in rad or rad/s."""

@@ -1,0 +1,41 @@
+"""The burger with the tags of the official one, against where Gazebo 11 has it after commands.
+
+The wheels were turned there like libgazebo_ros_diff_drive turns them.
+"""
+import math
+
+import pytest
+
+from img_recog_testing.robots import burger
+from img_recog_testing.wheeled import assembled, plugin
+
+DRIVE = plugin(
+    'gazebo_ros_diff_drive', leftJoint='wheel_left_joint', rightJoint='wheel_right_joint',
+    wheelSeparation=0.16, wheelDiameter=0.066, wheelAcceleration=1, wheelTorque=10, updateRate=30)
+FIRST = ''.join('<gazebo reference="wheel_{}_link"><fdir1>1 0 0</fdir1></gazebo>'.format(side)
+                for side in ('left', 'right'))
+
+
+@pytest.mark.parametrize('tags, parts, figures', [
+    # how far it goes from place to place, or how far it turns, on the command, and until it stands
+    (FIRST, [(0.22, 0, 5), (0, 0, 2)], [1.0640, 0.0751]),
+    ('', [(0.22, 0, 5), (0, 0, 2)], [1.0696, 0.0245]),
+    ('', [(0, 1, 5), (0, 0, 2)], [4.9604, 0.0334]),
+    (FIRST, [(-10, 0, 2), (0, 0, 4)], [1.2496, 2.2980]),
+    ('', [(-10, 0, 2), (0, 0, 4)], [1.9072, 2.0725])])
+def test_ways(tags, parts, figures):
+    simulator = assembled(burger().replace('</robot>', DRIVE + tags + '</robot>')).simulator
+    vehicle = simulator.vehicles[0]
+    simulator.advance(1000)
+    for (forward, turn, seconds), figure in zip(parts, figures):
+        vehicle.command(forward, turn)
+        begin, turned = vehicle.robot.motion(), 0.0
+        for _ in range(seconds):
+            before = vehicle.robot.motion().yaw
+            simulator.advance(1000)
+            turned += math.remainder(vehicle.robot.motion().yaw - before, 2 * math.pi)
+        way = math.dist(vehicle.robot.motion().position, begin.position)
+        if parts[0][0]:
+            assert way == pytest.approx(figure, rel=0.035, abs=0.005)
+        else:
+            assert turned == pytest.approx(figure, rel=0.02, abs=0.01)
