@@ -25,7 +25,8 @@ EYES = ('<model name="eyes"><static>1</static><link name="l">{}</link></model>'.
     '<sensor name="{}" type="{}">{}</sensor>'.format(*each) for each in (
         ('scan', 'ray', ''), ('around', 'gpu_ray', '<ray><scan><horizontal><samples>1</samples>'
                               '</horizontal></scan></ray>'), ('tilt', 'imu', ''),
-        ('cam', 'camera', '<camera><image><width>32</width><height>24</height></image></camera>')
+        ('cam', 'camera', '<camera><image><width>32</width><height>24</height></image><noise>'
+                          '<stddev>0.1</stddev></noise></camera>')
     ))))
 CHAIR = '<include><uri>model://chair</uri></include>'
 
@@ -136,7 +137,9 @@ def test_sensors_of_models_are_printed_and_drawn_by_their_names(run, tmp_path):
     assert list(scan) == ['ray', 'ranges'] and scan['ray'] == 'scan'
     assert around['gpuray'] == 'around' and len(around['ranges']) == 1
     assert tilt == {'imu': 'tilt', 'acc': pytest.approx([0, 0, 9.8]), 'gyro': [0, 0, 0]}
-    assert cv2.imread(str(tmp_path / 'cam.png')).shape == (24, 32, 3)
+    image = cv2.imread(str(tmp_path / 'cam.png'))
+    # the camera is in the wall and sees grey, with noise
+    assert image.shape == (24, 32, 3) and (image == image[..., :1]).all() and image.std() > 5
 
 
 def test_a_motor_drives_a_joint(run, tmp_path):

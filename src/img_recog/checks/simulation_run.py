@@ -4,6 +4,7 @@ import json
 import math
 import os
 import re
+import zlib
 from typing import Any, Dict, Iterator, List, NamedTuple, Sequence, Tuple
 
 import cv2
@@ -145,6 +146,9 @@ class Run:
                 exposure = RobotCamera(carrier.robot, settings, parts.poses).read()
                 image = lens_views.draw(drawn_by, robot_cameras.camera_of(settings),
                                         exposure.camera_pose, exposure.poses)
+                noise = robot_cameras.noise_of(settings)
+                if noise is not None:
+                    noise.add(image, zlib.crc32(name.encode()))
                 path = os.path.join(folder, re.sub('[^A-Za-z0-9_.-]+', '_', name) + '.png')
                 if not cv2.imwrite(path, cv2.cvtColor(image, cv2.COLOR_RGB2BGR)):
                     raise UserError('cannot write ' + path, 'give --pictures another folder')

@@ -4,6 +4,7 @@ from typing import Optional
 from img_recog.camera.calibration import Calibration
 from img_recog.rendering import rays
 from img_recog.rendering.camera import Camera
+from img_recog.rendering.noise import PixelNoise
 from img_recog.simulation.settings import CameraSettings
 
 
@@ -11,6 +12,12 @@ def camera_of(settings: CameraSettings) -> Camera:
     """Return the camera that draws what a simulated one sees."""
     return Camera(settings.camera_width, settings.camera_height, settings.camera_horizontal_fov,
                   settings.camera_near, settings.camera_far, settings.lens)
+
+
+def noise_of(settings: CameraSettings) -> Optional[PixelNoise]:
+    """Return what adds the noise of a simulated camera to its images, None if it has none."""
+    given = settings.camera_noise, settings.camera_noise_mean
+    return PixelNoise(*given) if any(given) else None
 
 
 def calibration_of(settings: CameraSettings) -> Optional[Calibration]:

@@ -4,6 +4,7 @@ from typing import Any, Dict, Iterator, List
 
 from img_recog import lenses, rotations
 from img_recog.errors import SimulationError
+from img_recog.formats import noises
 from img_recog.formats.numbers import read_number, read_numbers, read_whole
 from img_recog.formats.texts import name_of, text_of
 from img_recog.rotations import Transform, transform
@@ -16,7 +17,7 @@ _POSE = ('camera_x', 'camera_y', 'camera_z', 'camera_roll', 'camera_pitch', 'cam
 _MAX_IGNORED = 1e-6         # of a coefficient: examples have 0.00000001
 # in <camera>
 _NUMBERS = {'horizontal_fov': 'camera_horizontal_fov', 'clip/near': 'camera_near',
-            'clip/far': 'camera_far', 'noise/stddev': 'camera_noise'}
+            'clip/far': 'camera_far'}
 _WHOLE_NUMBERS = {'image/width': 'camera_width', 'image/height': 'camera_height'}
 # of SDF
 _DEFAULTS = {'camera_width': 320, 'camera_height': 240, 'camera_horizontal_fov': 1.047,
@@ -72,6 +73,9 @@ def of_camera(sensor: ElementTree.Element, camera: ElementTree.Element) -> Value
     of = ' of sensor ' + name_of(sensor)
     is_wide = sensor.get('type') == _WIDE
     values: Values = {**_DEFAULTS, **_pose(sensor, camera, of)}
+    noise = noises.read(camera.find('noise'), '<noise>' + of)
+    if any(noise):
+        values['camera_noise'], values['camera_noise_mean'] = noise.deviation, noise.mean
     if _format(camera) in _ENCODINGS:
         values['camera_encoding'] = _ENCODINGS[_format(camera)]
     if is_wide:

@@ -10,7 +10,6 @@ from img_recog.recordings.camera_infos import CameraInfos, of_calibration
 from img_recog.recordings.frames import SECOND_NS, Frame, Frames
 from img_recog.rendering import lens_views, renderer
 from img_recog.rendering.light import Light, LightSettings
-from img_recog.rendering.noise import PixelNoise
 from img_recog.settings import nearest_period
 from img_recog.simulation.assembly import Assembly
 from img_recog.simulation.pictures import visual_scene
@@ -40,7 +39,7 @@ class RobotFrames(Frames):
         self._settings, self._camera = settings, robot_cameras.camera_of(settings)
         vehicle, = built.simulator.vehicles
         self._sensor = RobotCamera(vehicle.robot, settings, self._parts.poses)
-        self._noise = PixelNoise(settings.camera_noise) if settings.camera_noise else None
+        self._noise = robot_cameras.noise_of(settings)
         self._noise_seed = noise_seed
         self._light = None if light == LightSettings() else Light(light)
         self._frame_id = settings.camera_optical_frame

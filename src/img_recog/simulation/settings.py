@@ -128,7 +128,8 @@ class CameraSettings(Settings):
     camera_optical_frame: frame of the images (x to the right, z forward: REP 103). camera_width,
     camera_height: pixels. camera_horizontal_fov: rad, from edge to edge; that of the Raspberry Pi
     camera v2 is 62.2 degrees. camera_near, camera_far: m, what else is not seen. camera_rate: Hz.
-    camera_noise: standard deviation of each color, of 0 to 1. camera_encoding: of the images.
+    camera_noise, camera_noise_mean: the standard deviation and the mean of what is added to all
+    colors of a pixel, which are from 0 to 1. camera_encoding: of the images.
     The topics of depth images may be empty: there are none then, and no point clouds.
     camera_points_min, camera_points_max: m, of what has a point.
 
@@ -155,6 +156,7 @@ class CameraSettings(Settings):
     camera_far: float = setting(100.0, between(0.01, 10000))
     camera_rate: float = setting(30.0, between(0.01, 1000))
     camera_noise: float = setting(0.0, between(0, 1))
+    camera_noise_mean: float = setting(0.0, between(-1, 1))
     camera_encoding: str = setting('rgb8', one_of('rgb8', 'bgr8', 'mono8'))
     camera_image_topic: str = setting('camera/rgb/image_raw', not_empty())
     camera_info_topic: str = setting('camera/rgb/camera_info', not_empty())

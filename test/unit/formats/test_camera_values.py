@@ -154,12 +154,19 @@ def test_poses_have_six_numbers():
 def test_numbers_of_the_camera():
     camera, = read('camera', '<camera><horizontal_fov>1.5</horizontal_fov><image><width>32</width>'
                    '<height>24</height></image><clip><near>0.2</near><far>77</far></clip><noise>'
-                   '<stddev>0.3</stddev></noise></camera>',
+                   '<mean>0.1</mean><stddev>0.3</stddev></noise></camera>',
                    '<hackBaseline>0.07</hackBaseline>').cameras
     assert (camera.camera_horizontal_fov, camera.camera_width, camera.camera_height) == (
         1.5, 32, 24)
-    assert (camera.camera_near, camera.camera_far, camera.camera_noise) == (0.2, 77, 0.3)
+    assert (camera.camera_near, camera.camera_far) == (0.2, 77)
+    assert (camera.camera_noise, camera.camera_noise_mean) == (0.3, 0.1)
     assert camera.camera_baseline == 0.07
+
+
+def test_noise_of_the_type_none_is_none():
+    camera, = read('camera', '<camera><noise><type>none</type><mean>1</mean><stddev>1</stddev>'
+                   '</noise></camera>').cameras
+    assert (camera.camera_noise, camera.camera_noise_mean) == (0.0, 0.0)
 
 
 @pytest.mark.parametrize('flag, encoding', [

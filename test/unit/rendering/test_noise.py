@@ -20,6 +20,8 @@ def test_deviation_and_mean(noise):
     image = noisy(noise, 5).astype(float)
     assert image.mean() == pytest.approx(100, abs=0.05)
     assert image.std() == pytest.approx(0.02 * 255, rel=0.03)
+    # Gazebo's grey of 128 becomes 154, without a deviation
+    assert noisy(PixelNoise(0.0, 0.1), 5, value=128).mean() == pytest.approx(154, abs=0.6)
     small = [noisy(noise, number, shape=(4, 4, 3)) for number in range(20)]
     assert np.std(small, axis=0).min() > 2      # of each color
 
@@ -30,10 +32,11 @@ def test_equal_numbers_give_equal_noise_and_others_do_not(noise):
     assert np.array_equal(noisy(PixelNoise(0.02), 7), noisy(noise, 7))
 
 
-def test_channels_and_neighbors_are_independent(noise):
+def test_colors_of_a_pixel_have_one_noise_as_in_gazebo_and_neighbors_are_independent(noise):
     image = noisy(noise, 3).astype(float) - 100
-    for first, second in ((image[..., 0], image[..., 1]), (image[:, 1:], image[:, :-1]),
-                          (image[1:], image[:-1])):
+    assert np.array_equal(image[..., 0], image[..., 1])
+    assert np.array_equal(image[..., 0], image[..., 2])
+    for first, second in ((image[:, 1:], image[:, :-1]), (image[1:], image[:-1])):
         assert abs(np.corrcoef(first.ravel(), second.ravel())[0, 1]) < 0.01
 
 

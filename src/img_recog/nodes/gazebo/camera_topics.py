@@ -17,7 +17,6 @@ from img_recog.errors import UserError
 from img_recog.nodes.compressed_images import CompressedImages
 from img_recog.nodes.gazebo.names import topic_fields
 from img_recog.rendering import rays
-from img_recog.rendering.noise import PixelNoise
 from img_recog.rendering.server import Picture, Shot
 from img_recog.ros.transport.direct_publisher import DirectPublisher
 from img_recog.ros.transport.image_publisher import ImagePublisher
@@ -66,7 +65,7 @@ class CameraTopics:
         self._used: Set[Any] = set()        # the publishers that had a subscriber
         self.camera = robot_cameras.camera_of(settings)
         self._calibration = robot_cameras.calibration_of(settings)
-        self._noise = PixelNoise(settings.camera_noise) if settings.camera_noise else None
+        self._noise = robot_cameras.noise_of(settings)
         # so that the noise of two cameras is not the same
         self._own_number = zlib.crc32(settings.camera_image_topic.encode())
         # first: it fails if its parameters are wrong
