@@ -387,7 +387,7 @@ def test_refused_model_is_not_added(gazebo, name, text, status):
 def test_boxes_that_touch_in_too_many_points_do_not_stop_time(gazebo):
     box = ('<link name="l{}"><collision name="c"><geometry><box><size>1 1 1</size></box>'
            '</geometry></collision></link>')
-    text = '<sdf version="1.6"><model name="m">{}</model></sdf>'
+    text = '<sdf version="1.6"><model name="m"><self_collide>1</self_collide>{}</model></sdf>'
     gazebo.services.call('/gazebo/pause_physics', {})
     for name, count in (('some', 45), ('many', 90)):
         links = ''.join(map(box.format, range(count)))

@@ -24,7 +24,8 @@ DEPTH = '''<gazebo reference="{link}"><sensor type="depth" name="realsense_R200"
 # a red wall whose near side is 2 m in front of the origin
 WALL = ('<model name="wall"><static>1</static><pose>2.05 0 0.5 0 0 0</pose><link name="l">'
         + BOX.format('collision', '', '0.1 4 1') + BOX.format('visual', '', '0.1 4 1').replace(
-            '</visual>', '<material><diffuse>1 0 0 1</diffuse></material></visual>')
+            '</visual>', '<material><ambient>1 0 0 1</ambient><diffuse>1 0 0 1</diffuse></material>'
+            '</visual>')
         + '</link></model>')
 WATCH = r'''
 import json, sys
@@ -98,7 +99,7 @@ def test_a_depth_camera_sees_color_and_distance_of_a_wall(ros, simulate, world):
     color, depth = seen['rgb/image_raw'], seen['depth/image_raw']
     assert (color['encoding'], depth['encoding']) == ('rgb8', '32FC1')
     red, green, blue = color['middle']
-    assert red > 120 and green == blue == 0
+    assert red == pytest.approx(102, abs=4) and green == blue == 0     # as in Gazebo, in the shade
     compressed = seen['rgb/image_raw/compressed']
     assert compressed['encoding'] == 'rgb8; jpeg compressed bgr8'
     assert compressed['middle'] == pytest.approx(color['middle'], abs=4)

@@ -121,7 +121,7 @@ def test_a_texture_that_is_a_pipe_is_named(tmp_path):
     library = written(tmp_path, 'a.mtl', 'newmtl a\nmap_Kd {}\n'.format(pipe(tmp_path, 'p')))
     part, = mesh_file.read(obj(tmp_path, 'mtllib ' + os.path.basename(library)))
     with pytest.raises(textures.TextureError, match='is a pipe or device, not a file'):
-        textures.read(part.texture)
+        textures.read(part.material.texture)
     mesh_file.write(str(tmp_path / 'a.obj'), str(tmp_path), materials=True)
 
 

@@ -23,7 +23,7 @@ CAMERA = {'camera_width': 160, 'camera_height': 120, 'camera_rate': 10.0}
 def field(tmp_path):
     """A blue post 0.9 m ahead of the origin."""
     path = tmp_path / 'field.world'
-    path.write_text(sdf.sdf(POST.format('blue_post', 0.9, 'Blue')))
+    path.write_text(sdf.sdf(sdf.BUILT_IN, POST.format('blue_post', 0.9, 'Blue')))
     return str(path)
 
 
@@ -51,7 +51,7 @@ def test_what_it_fails_by(field, reason, options):
 
 def test_a_collision_ends_it_and_is_named(tmp_path):
     path = tmp_path / 'a.world'
-    path.write_text(sdf.sdf(POST.format('blue_post', 0.9, 'Blue')
+    path.write_text(sdf.sdf(sdf.BUILT_IN, POST.format('blue_post', 0.9, 'Blue')
                             + POST.format('pillar', 0.3, 'White')))
     drive = tmp_path / 'drive.yaml'
     drive.write_text('{colors: [all], all_hue_min: 0, all_hue_max: 180, all_saturation_min: 0, '
@@ -63,7 +63,7 @@ def test_a_collision_ends_it_and_is_named(tmp_path):
 
 def test_touches_between_two_images_are_counted(tmp_path):
     path = tmp_path / 'a.world'
-    path.write_text(sdf.sdf(POST.format('pillar', 0.25, 'White')))
+    path.write_text(sdf.sdf(sdf.BUILT_IN, POST.format('pillar', 0.25, 'White')))
     simulator = assemble(str(path)).simulator
     vehicle, = simulator.vehicles
     judge = sweep_run.Judge(simulator, 'pillar', Success(0.01, collisions=9))
