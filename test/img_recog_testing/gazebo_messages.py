@@ -56,7 +56,50 @@ DEFINITIONS = {
                                                 'float64 max_update_rate\n'
                                                 'geometry_msgs/Vector3 gravity\n'
                                                 'gazebo_msgs/ODEPhysics ode_config\n'
-                                                'bool success\nstring status_message\n'}
+                                                'bool success\nstring status_message\n',
+    'gazebo_msgs/srv/SetPhysicsProperties.srv': 'float64 time_step\nfloat64 max_update_rate\n'
+                                                'geometry_msgs/Vector3 gravity\n'
+                                                'gazebo_msgs/ODEPhysics ode_config\n---\n'
+                                                'bool success\nstring status_message\n',
+    'gazebo_msgs/msg/LinkStates.msg': 'string[] name\ngeometry_msgs/Pose[] pose\n'
+                                      'geometry_msgs/Twist[] twist\n',
+    'gazebo_msgs/srv/GetLinkState.srv': 'string link_name\nstring reference_frame\n---\n'
+                                        'gazebo_msgs/LinkState link_state\n'
+                                        'bool success\nstring status_message\n',
+    'gazebo_msgs/srv/GetLinkProperties.srv': 'string link_name\n---\n'
+                                             'geometry_msgs/Pose com\nbool gravity_mode\n'
+                                             'float64 mass\nfloat64 ixx\nfloat64 ixy\n'
+                                             'float64 ixz\nfloat64 iyy\nfloat64 iyz\n'
+                                             'float64 izz\nbool success\n'
+                                             'string status_message\n',
+    'gazebo_msgs/srv/GetJointProperties.srv': 'string joint_name\n---\nuint8 type\n'
+                                              'uint8 REVOLUTE=0\nuint8 CONTINUOUS=1\n'
+                                              'uint8 PRISMATIC=2\nuint8 FIXED=3\n'
+                                              'uint8 BALL=4\nuint8 UNIVERSAL=5\n'
+                                              'float64[] damping\nfloat64[] position\n'
+                                              'float64[] rate\nbool success\n'
+                                              'string status_message\n',
+    'gazebo_msgs/srv/GetModelProperties.srv': 'string model_name\n---\n'
+                                              'string parent_model_name\n'
+                                              'string canonical_body_name\n'
+                                              'string[] body_names\nstring[] geom_names\n'
+                                              'string[] joint_names\n'
+                                              'string[] child_model_names\nbool is_static\n'
+                                              'bool success\nstring status_message\n',
+    'gazebo_msgs/srv/SetModelConfiguration.srv': 'string model_name\nstring urdf_param_name\n'
+                                                 'string[] joint_names\n'
+                                                 'float64[] joint_positions\n---\n'
+                                                 'bool success\nstring status_message\n',
+    'gazebo_msgs/srv/ApplyBodyWrench.srv': 'string body_name\nstring reference_frame\n'
+                                           'geometry_msgs/Point reference_point\n'
+                                           'geometry_msgs/Wrench wrench\ntime start_time\n'
+                                           'duration duration\n---\n'
+                                           'bool success\nstring status_message\n',
+    'gazebo_msgs/srv/ApplyJointEffort.srv': 'string joint_name\nfloat64 effort\n'
+                                            'time start_time\nduration duration\n---\n'
+                                            'bool success\nstring status_message\n',
+    'gazebo_msgs/srv/BodyRequest.srv': 'string body_name\n---\n',
+    'gazebo_msgs/srv/JointRequest.srv': 'string joint_name\n---\n'}
 MANIFEST = ('<package><name>gazebo_msgs</name><version>0.0.0</version><license>none</license>'
             '<description>stand-in</description><maintainer email="a@b.c">a</maintainer>'
             '</package>')

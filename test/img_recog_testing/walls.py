@@ -9,7 +9,8 @@ GROUND_FLOOR = ('bag_recording', 'errors', 'files', 'helper_process', 'launch_ou
                 'settings', 'signals', 'still_images', 'textures', 'timed_xmlrpc')
 # the rooms of simulation/, from the lowest to the highest: none imports one above it
 SIMULATION_ROOMS = ('settings', 'physics', 'sensors', 'carrier', 'vehicle', 'simulator',
-                    'pictures', 'models', 'figures', 'places', 'pacing', 'assembly')
+                    'pictures', 'states', 'models', 'model_forces', 'figures', 'places', 'pacing',
+                    'assembly')
 # libraries that only some folders or files may use
 OWNERS = {
     **dict.fromkeys(('pybullet', 'pybullet_data', 'pybullet_utils'), tuple(

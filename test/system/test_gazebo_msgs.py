@@ -29,7 +29,18 @@ SUMS = {'msg.ModelStates': '48c080191eb15c41858319b4d8a609c2',
         'srv.SetModelStateRequest': 'cb042b0e91880f4661b29ea5b6234350',
         'srv.SpawnModelRequest': '6d0eba5753761cd57e6263a056b79930',
         'srv.GetWorldPropertiesResponse': '36bb0f2eccf4d8be971410c22818ba3f',
-        'srv.GetPhysicsPropertiesResponse': '575a5e74786981b7df2e3afc567693a6'}
+        'srv.GetPhysicsPropertiesResponse': '575a5e74786981b7df2e3afc567693a6',
+        'msg.LinkStates': '48c080191eb15c41858319b4d8a609c2',
+        'srv.GetLinkState': '09d6c98cce97b35f7ab9bd70300657ab',
+        'srv.GetLinkProperties': '0e06a70386d0ee3fb880c02f23fcd821',
+        'srv.GetJointProperties': '7b30be900f50aa21efec4a0ec92d91c9',
+        'srv.GetModelProperties': '5717f7bd34ed990fa80e28b3015027a3',
+        'srv.SetModelConfiguration': '10e3139d3b669c40afc057d38956fff7',
+        'srv.SetPhysicsProperties': '97e2057080558ce4730434b5fae75c91',
+        'srv.ApplyBodyWrench': '585b9f9618aa0581b207e2f2d90866bc',
+        'srv.ApplyJointEffort': 'c0039811b8cc919490b3cff748cdf46b',
+        'srv.BodyRequest': '5eade9afe7f232d78005bd0cafeab755',
+        'srv.JointRequest': '0be1351618e1dc030eb7959d9a4902de'}
 
 
 @pytest.fixture(scope='module')
@@ -389,14 +400,16 @@ def test_boxes_that_touch_in_too_many_points_do_not_stop_time(gazebo):
            '</geometry></collision></link>')
     text = '<sdf version="1.6"><model name="m"><self_collide>1</self_collide>{}</model></sdf>'
     gazebo.services.call('/gazebo/pause_physics', {})
-    for name, count in (('some', 45), ('many', 90)):
+    # links of one model do not meet
+    for name, count in (('others', 31), ('some', 31), ('many', 60)):
         links = ''.join(map(box.format, range(count)))
         answer = spawn(gazebo, name, text.format(links), 50.0, 0.0, 5.0)
-        assert answer['success'] is (name == 'some'), answer
+        assert answer['success'] is (name != 'many'), answer
     assert answer['status_message'].startswith(
         'the next step of the physics would take more than 10 s: bodies touch or overlap in many')
     gazebo.simulator.wait_output('model some: the next step of the physics takes about 2 s: ')
-    assert call(gazebo, 'delete_model', {'model_name': 'some'})['success'] is True
+    for name in ('others', 'some'):
+        assert call(gazebo, 'delete_model', {'model_name': name})['success'] is True
     gazebo.services.call('/gazebo/unpause_physics', {})
     before_s = call(gazebo, 'get_world_properties', {})['sim_time']
     wait_for(lambda: call(gazebo, 'get_world_properties', {})['sim_time'] > before_s, 'time')
@@ -412,6 +425,166 @@ def test_physics_properties(gazebo):
     assert call(gazebo, 'get_physics_properties', {})['pause'] is True
     gazebo.services.call('/gazebo/unpause_physics', {})
     assert call(gazebo, 'get_physics_properties', {})['pause'] is False
+
+
+def test_physics_properties_are_set(gazebo):
+    def describe():
+        found = call(gazebo, 'get_physics_properties', {})
+        return found['time_step'], found['max_update_rate'], found['gravity']['z']
+
+    def change(time_step=0.001, rate=1000.0, z=-9.8):
+        answer = call(gazebo, 'set_physics_properties', {
+            'time_step': time_step, 'max_update_rate': rate, 'gravity': {'z': z}})
+        return answer['success'], answer['status_message'].partition(':')[0]
+    for wrong, field in (({'time_step': 0.002}, 'time_step'), ({'rate': -1.0}, 'real_time_factor'),
+                         ({'z': float('nan')}, 'gravity')):
+        assert change(**wrong) == (False, field)
+        assert describe() == (0.001, pytest.approx(1000.0), -9.8)
+    assert change(rate=500.0, z=-1.6) == (True, 'ode_config is not used')
+    assert describe() == (0.001, pytest.approx(500.0), -1.6)
+    assert gazebo.master().getParam('/test', '/gazebo/real_time_factor')[2] == 0.5
+    imu = gazebo.start('rostopic', 'echo', '/imu/linear_acceleration/z')
+    wait_for(lambda: abs((newest(imu) or 9.8) - 1.6) < 0.5, lambda: imu.output)
+    assert change()[0] is True
+
+
+# a rod on a vertical axis of the world: an effort of 1 N m makes it faster by 1 rad/s in a second
+ROD = """<robot name="rod"><link name="world"/>
+<link name="beam"><inertial><origin xyz="0.5 0 0"/><mass value="1"/><inertia ixx="0.75" iyy="0.75"
+  izz="0.75" ixy="0" ixz="0" iyz="0"/></inertial></link>
+<joint name="pivot" type="revolute"><parent link="world"/><child link="beam"/>
+  <origin xyz="0 0 2"/><axis xyz="0 0 1"/>
+  <limit lower="-3" upper="3" effort="2" velocity="100"/></joint></robot>"""
+LINKS = [MODEL + '::' + link for link in ('base_footprint', 'wheel_left_link',
+                                          'wheel_right_link')]
+
+
+@pytest.fixture
+def rod(gazebo):
+    """The rod, in a simulation that is paused."""
+    gazebo.services.call('/gazebo/pause_physics', {})
+    assert spawn(gazebo, 'rod', ROD, 5.0, service='spawn_urdf_model')['success'] is True
+    yield 'rod::beam'
+    gazebo.services.call('/gazebo/unpause_physics', {})
+    assert call(gazebo, 'delete_model', {'model_name': 'rod'})['success'] is True
+
+
+def pivot(gazebo):
+    """Return position and rate of its joint."""
+    found = call(gazebo, 'get_joint_properties', {'joint_name': 'pivot'})
+    assert (found['success'], found['type'], found['damping']) == (True, 0, [])
+    return [*found['position'], *found['rate']]
+
+
+def step(gazebo, count=1):
+    """Let steps of 33 ms pass."""
+    for _ in range(count):
+        assert gazebo.services.call('/gazebo/step', {})['success'] is True
+
+
+def test_the_states_of_links(gazebo, rod):
+    echo = gazebo.start('rostopic', 'echo', '/gazebo/link_states')
+
+    def states():
+        step(gazebo)
+        return newest(echo)
+    found = wait_for(states, lambda: echo.output)
+    # in the world of this package, only the floor and the robot have links by Gazebo's names
+    assert found['name'] == ['ground_plane::link', *LINKS, rod]
+    assert [len(found['pose']), len(found['twist'])] == [5, 5]
+    assert found['pose'][4]['position'] == {'x': 5.0, 'y': 0.0, 'z': 2.0}
+    seen = call(gazebo, 'get_link_state', {'link_name': LINKS[1], 'reference_frame': LINKS[2]})
+    assert (seen['success'], seen['status_message']) == (True, '')
+    state = seen['link_state']
+    assert (state['link_name'], state['reference_frame']) == (LINKS[1], LINKS[2])
+    # the wheels are turned, so that their axes z point to the left
+    assert [state['pose']['position'][axis] for axis in 'xyz'] == pytest.approx(
+        [0.0, 0.0, 0.16], abs=1e-3)
+    for name, frame, problem in (
+            (MODEL + '::none', '', 'model {} has no link \'none\' (links: {})'.format(
+                MODEL, ', '.join(link.partition('::')[2] for link in LINKS))),
+            ('rod', '', "model rod has no link '' (links: beam)"),
+            (LINKS[0], 'waffle', "no model 'waffle' (models: {}, rod)".format(', '.join(NAMES)))):
+        answer = call(gazebo, 'get_link_state', {'link_name': name, 'reference_frame': frame})
+        assert (answer['success'], answer['status_message']) == (False, problem)
+    # like in Gazebo, the model may be left out
+    assert call(gazebo, 'get_link_state', {'link_name': 'beam', 'reference_frame': 'map'}
+                )['link_state']['pose']['position'] == {'x': 5.0, 'y': 0.0, 'z': 2.0}
+
+
+def test_properties_of_links_and_models(gazebo, rod):
+    link = call(gazebo, 'get_link_properties', {'link_name': rod})
+    assert [link[name] for name in ('mass', 'ixx', 'ixy', 'izz', 'gravity_mode', 'success')] == [
+        1.0, 0.75, 0.0, 0.75, True, True]
+    assert link['com']['position'] == {'x': 0.5, 'y': 0.0, 'z': 0.0}
+    for model, links, joints, is_static in (
+            ('rod', ['beam'], ['pivot'], False), ('ground_plane', ['link'], [], True),
+            (MODEL, [link.partition('::')[2] for link in LINKS],
+             ['wheel_left_joint', 'wheel_right_joint'], False)):
+        found = call(gazebo, 'get_model_properties', {'model_name': model})
+        assert [found[name] for name in ('body_names', 'joint_names', 'is_static', 'success')] == [
+            links, joints, is_static, True]
+    for service, field in (('get_link_properties', 'link_name'),
+                           ('get_joint_properties', 'joint_name'),
+                           ('get_model_properties', 'model_name')):
+        answer = call(gazebo, service, {field: 'none'})
+        assert answer['success'] is False and "'none' (m" in answer['status_message'], answer
+
+
+@pytest.mark.parametrize('joint', ['pivot', 'rod::pivot'])
+def test_an_effort_acts_for_its_duration_or_until_it_is_cleared(gazebo, rod, joint):
+    def effort(value, seconds, nanoseconds=0):
+        answer = call(gazebo, 'apply_joint_effort', {
+            'joint_name': joint, 'effort': value,
+            'duration': {'secs': seconds, 'nsecs': nanoseconds}})
+        assert answer['success'] is True
+        return answer['status_message']
+    assert effort(5.0, 0, 20000000) == ''       # more than its limit of 2 N m
+    step(gazebo, 2)
+    assert pivot(gazebo)[1] == pytest.approx(0.04, rel=1e-3)
+    assert effort(-1.0, -1) == ''
+    step(gazebo, 2)
+    assert pivot(gazebo)[1] == pytest.approx(0.04 - 0.066, rel=1e-3)
+    gazebo.services.call('/gazebo/clear_joint_forces', {'joint_name': joint})
+    step(gazebo)
+    assert pivot(gazebo)[1] == pytest.approx(0.04 - 0.066, rel=1e-3)
+    assert effort(1.0, 0, 100) == 'duration: a step of 0.001 s is the least'
+    answer = call(gazebo, 'apply_joint_effort', {'joint_name': 'none', 'effort': 1.0})
+    assert answer['success'] is False
+    assert answer['status_message'].startswith("no movable joint 'none' (movable joints: ")
+
+
+def test_a_wrench_acts_for_its_duration_or_until_it_is_cleared(gazebo, rod):
+    def push(y, seconds, nanoseconds=0, frame='world', body=rod):
+        return call(gazebo, 'apply_body_wrench', {
+            'body_name': body, 'reference_frame': frame, 'wrench': {'force': {'y': y}},
+            'duration': {'secs': seconds, 'nsecs': nanoseconds}})
+    assert push(2.0, 0, 33000000) == {'success': True, 'status_message': ''}
+    step(gazebo)        # at its center, 0.5 m from the pivot
+    assert pivot(gazebo)[1] == pytest.approx(0.033, rel=1e-3)
+    assert push(2.0, -1)['success'] is True
+    step(gazebo)
+    gazebo.services.call('/gazebo/clear_body_wrenches', {'body_name': rod})
+    step(gazebo)
+    assert pivot(gazebo)[1] == pytest.approx(0.066, rel=1e-3)
+    gazebo.services.call('/gazebo/clear_body_wrenches', {'body_name': 'none'})
+    for wrong in ({'frame': 'waffle'}, {'body': 'waffle'}):
+        answer = push(1.0, 1, **wrong)
+        assert answer['success'] is False
+        assert answer['status_message'].startswith("no model 'waffle' (models: ")
+
+
+def test_joints_are_put_where_asked(gazebo, rod):
+    def put(names, positions, model='rod'):
+        answer = call(gazebo, 'set_model_configuration', {
+            'model_name': model, 'joint_names': names, 'joint_positions': positions})
+        return answer['success'], answer['status_message']
+    assert put(['pivot'], [1.0]) == (True, '')
+    assert pivot(gazebo) == [1.0, 0.0]
+    assert put(['pivot'], [4.0]) == (True, '') and pivot(gazebo) == [3.0, 0.0]
+    assert put(['pivot'], []) == (False, 'got 1 joint_names and 0 joint_positions; give a position '
+                                         'for each joint')
+    assert put([], [], 'none')[0] is False
 
 
 def test_a_bumper_reports_what_it_touches(gazebo):

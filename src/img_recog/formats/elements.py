@@ -144,8 +144,8 @@ SDF: Dict[str, Row] = {
                  not_simulated='mimic', why='Gazebo does not use it either'),
     'dynamics': Row('damping friction spring_stiffness spring_reference'),
     'limit': Row('lower upper', no_effect='stiffness dissipation effort velocity',
-                 why='limits are hard; in Gazebo too, those of effort and velocity hold neither '
-                 'a motor nor what gravity moves'),
+                 why='limits are hard; as in Gazebo, those of effort and velocity hold '
+                 'apply_joint_effort, and neither a motor nor what gravity moves'),
     'population': Row('model model_count distribution box cylinder pose'),
     'population/box': Row('size'), 'population/cylinder': Row('radius length'),
     'distribution': Row('type step rows cols'),

@@ -1,4 +1,5 @@
 """The links and joints of an SDF's model and of the models in it, by their full names."""
+import math
 import xml.etree.ElementTree as ElementTree
 from typing import Callable, Dict, List, Mapping, NamedTuple, Optional, Sequence, Tuple
 
@@ -41,11 +42,12 @@ class SdfLink(NamedTuple):
 
 class Axis(NamedTuple):
     """An axis of a joint, (3,) of any length, in its frame; limits: from and to, in rad or m;
-    dynamics: fields of a Joint."""
+    dynamics: fields of a Joint; strength: of Limits."""
 
     direction: np.ndarray
     limits: Optional[Tuple[float, float]] = None
     dynamics: Mapping[str, float] = {}
+    strength: Mapping[str, float] = {}
 
 
 class SdfJoint(NamedTuple):
@@ -126,7 +128,8 @@ class Joints:
         joint_pose = pose @ scope.pose(element)
         axes = tuple(Axis(self._direction(element, tag, pose, joint_pose, scope),
                           _limits(name, element.find(tag + '/limit')),
-                          _dynamics(name, element.find(tag + '/dynamics')))
+                          _dynamics(name, element.find(tag + '/dynamics')),
+                          _strength(name, element.find(tag + '/limit')))
                      for tag in _AXES[kind])
         if kind == BALL:
             axes = tuple(map(Axis, np.eye(3)))
@@ -183,6 +186,13 @@ def _limits(name: str, limit: Optional[ElementTree.Element]) -> Optional[Tuple[f
     if lower > upper or min(-lower, upper) >= NO_LIMIT:
         return None
     return max(lower, -NO_LIMIT), min(upper, NO_LIMIT)
+
+
+def _strength(name: str, limit: Optional[ElementTree.Element]) -> Dict[str, float]:
+    found = {} if limit is None else {
+        tag: read_limit('<{}> of joint {}'.format(tag, name), limit.findtext(tag, '-1'))
+        for tag in ('effort', 'velocity')}
+    return {tag: value for tag, value in found.items() if 0 <= value < math.inf}
 
 
 def _dynamics(name: str, dynamics: Optional[ElementTree.Element]) -> Dict[str, float]:

@@ -231,7 +231,8 @@ def _joint(joint: SdfJoint, pose: Transform, axis: Optional[Axis]) -> Joint:
     else:
         kind = REVOLUTE if limits else CONTINUOUS
     return Joint(joint.name, kind, joint.parent, joint.child, pose, axis.direction,
-                 limits and Limits(*limits), **axis.dynamics)
+                 Limits(*(limits or (-NO_LIMIT, NO_LIMIT)), **axis.strength)
+                 if limits or axis.strength else None, **axis.dynamics)
 
 
 def _count_grounds(link: ElementTree.Element) -> int:

@@ -1,26 +1,16 @@
 """A simulation in figures, by the names that Gazebo gives: what simulate.py prints."""
-from typing import Dict, Iterator, List, Mapping, NamedTuple, Tuple
+from typing import Dict, Iterator, List, Tuple
 
 import numpy as np
 import pybullet
 
 from img_recog.errors import SimulationError
 from img_recog.formats.sdf_models import BETWEEN_AXES
-from img_recog.model import NO_INERTIA, Frame, Inertia, Model
-from img_recog.rotations import Quaternion
-from img_recog.simulation.models import LINK_SEPARATOR
-from img_recog.simulation.physics.body import Body, FrameState, Vector, velocity_at
-from img_recog.simulation.physics.client import link_indices
-from img_recog.simulation.physics.world import FLOOR
+from img_recog.model import NO_INERTIA, Inertia
+from img_recog.simulation.models import LINK_SEPARATOR, Models
+from img_recog.simulation.physics.body import FrameState, velocity_at
+from img_recog.simulation.physics.framed_body import FramedBody
 from img_recog.simulation.simulator import Simulator
-
-
-class _Link(NamedTuple):
-    """A link: the body, and the number of the part that carries it with its pose by `in_part`."""
-
-    body: Body
-    part: int
-    pose: Tuple[Vector, Quaternion]
 
 
 class Figures:
@@ -31,39 +21,27 @@ class Figures:
 
     def __init__(self, simulator: Simulator):
         self._client = {'physicsClientId': simulator.world.physics_client_id}
-        self._links: Dict[str, _Link] = {}
-        self._joints: Dict[str, Tuple[Body, int]] = {}
+        self._links: Dict[str, Tuple[FramedBody, str]] = {}
+        self._joints: Dict[str, Tuple[FramedBody, int]] = {}
         self._held: List[str] = []
         self._inertias: Dict[str, Inertia] = {}
-        world = simulator.world
-        if world.floor:
-            self._add(FLOOR.name, world.floor, FLOOR.model, FLOOR.model.frames)
-        for tree, body in zip(world.file.trees, world.bodies):
-            self._add(tree.name.partition(LINK_SEPARATOR)[0], body, tree.model, tree.model.frames)
-        for vehicle in simulator.vehicles:
-            # like Gazebo, without the links that are lumped into others
-            self._add(vehicle.robot.name, vehicle.robot, vehicle.model, {
-                link: frame for link, frame in vehicle.model.frames.items()
-                if link == frame.link})
+        for model, body in Models(simulator).bodies:
+            self._add(model + LINK_SEPARATOR, body)
 
-    def _add(self, name: str, body: Body, model: Model, frames: Mapping[str, Frame]) -> None:
-        prefix = name + LINK_SEPARATOR
-        indices = link_indices(body.body_id, body.physics_client_id)
-        for link, (part, pose) in frames.items():
-            number = indices[part]
-            self._links[prefix + link] = _Link(body, number, body.in_part(number, pose))
+    def _add(self, prefix: str, body: FramedBody) -> None:
+        self._links.update((prefix + link, (body, link)) for link in body.link_names)
         self._inertias.update((prefix + link.name, link.inertia or NO_INERTIA)
-                              for link in model.links if link.name in frames)
-        for joint, index in body.joints.items():
-            self._joints[prefix + joint] = body, index
-        self._held += [prefix + joint for joint in model.held]
+                              for link in body.model.links if link.name in body.link_names)
+        self._joints.update((prefix + joint, (body, index))
+                            for joint, index in body.joints.items())
+        self._held += [prefix + joint for joint in body.model.held]
 
     def links(self) -> Dict[str, List[float]]:
         """Return x, y, z (m), a quaternion x, y, z, w, the velocity of the frame (m/s) and its
         angular velocity (rad/s) of each link, 13 numbers in the world.
         """
-        return {name: list(_numbers(link.body.part_state(link.part, link.pose)))
-                for name, link in self._links.items()}
+        return {name: list(_numbers(body.frame_state(link)))
+                for name, (body, link) in self._links.items()}
 
     def joints(self) -> Dict[str, List[float]]:
         """Return position and velocity of each axis of each joint: rad and rad/s, or m and m/s."""

@@ -1,44 +1,28 @@
 """The models of a simulation by name, like Gazebo's: read, set, added and removed."""
-from typing import Callable, Dict, List, NamedTuple, Optional, Sequence
+from typing import Callable, Dict, Iterable, Iterator, List, Mapping, Optional, Sequence, Tuple
 
 import numpy as np
 import pybullet
 
 from img_recog import rotations
-from img_recog.errors import SimulationError
+from img_recog.errors import SimulationError, shortened
 from img_recog.model import Tree
-from img_recog.rotations import IDENTITY, Quaternion, Transform
-from img_recog.simulation.physics.body import Body, Motion, Pose, motion_of_frame
+from img_recog.rotations import IDENTITY, Transform
+from img_recog.simulation.physics.body import Motion, Pose, motion_of_frame
+from img_recog.simulation.physics.framed_body import FramedBody
 from img_recog.simulation.physics.world import FLOOR
 from img_recog.simulation.simulator import Simulator
+from img_recog.simulation.states import REST, State, check, in_world
 from img_recog.simulation.vehicle import Vehicle
 
 WORLD = 'world'
 LINK_SEPARATOR = '::'
-# m, m/s: far beyond this PyBullet computes NaN, and the floor carries nothing from then on
-_MAX_VALUE = 1e6
-
-
-class State(NamedTuple):
-    """Pose and velocity of a model in a reference frame: m, unit quaternion (x, y, z, w), m/s,
-    rad/s.
-
-    Like in Gazebo, a quaternion of zeros that is given is no rotation.
-    """
-
-    position: Sequence[float]
-    orientation: Quaternion
-    linear: Sequence[float]
-    angular: Sequence[float]
-
-
-_REST = State((0.0, 0.0, 0.0), (0.0, 0.0, 0.0, 1.0), (0.0, 0.0, 0.0), (0.0, 0.0, 0.0))
 
 
 class _Model:
     """The bodies of a model; its frame is fixed to the root link of the first one."""
 
-    def __init__(self, bodies: List[Body], root: Transform = IDENTITY,
+    def __init__(self, bodies: List[FramedBody], root: Transform = IDENTITY,
                  vehicle: Optional[Vehicle] = None):
         """root: the pose of that root link in the frame of the model."""
         self.bodies, self.vehicle, self._root = bodies, vehicle, root
@@ -107,10 +91,71 @@ class Models:
         """The names of all models."""
         return list(self._models)
 
-    def state(self, name: str, frame: str = WORLD) -> State:
-        """Return the state of a model relative to `frame`, the world or another model.
+    @property
+    def bodies(self) -> Iterator[Tuple[str, FramedBody]]:
+        """The bodies of all models, each with the name of its model."""
+        return ((name, body) for name, model in self._models.items() for body in model.bodies)
 
-        Raises SimulationError when there is no such model or frame.
+    def bodies_of(self, name: str) -> Sequence[FramedBody]:
+        """Return the bodies of a model; SimulationError when there is no such model."""
+        if name not in self._models:
+            raise SimulationError('no model {!r} (models: {})'.format(name, ', '.join(self.names)))
+        return self._models[name].bodies
+
+    def link(self, name: str) -> Tuple[FramedBody, str]:
+        """Return the body and the link of the name MODEL::LINK or, like Gazebo, the first LINK.
+
+        Raises SimulationError when there is no such link.
+        """
+        for found in self.links(name):
+            return found
+        model, _, link = name.partition(LINK_SEPARATOR)
+        raise SimulationError('model {} has no link {!r} (links: {})'.format(model, link, ', '.join(
+            each for body in self.bodies_of(model) for each in body.link_names)))
+
+    def joint(self, name: str) -> Tuple[FramedBody, str]:
+        """Return the first one that `joints` yields; SimulationError when there is none."""
+        for found in self.joints(name):
+            return found
+        raise SimulationError('no movable joint {!r} (movable joints: {})'.format(name, shortened(
+            ', '.join(model + LINK_SEPARATOR + joint for model, body in self.bodies
+                      for joint in body.first_axes) or 'none')))
+
+    def links(self, name: str) -> Iterator[Tuple[FramedBody, str]]:
+        """Yield the body and the link for each one of the name MODEL::LINK or LINK."""
+        # as in Gazebo, a name of a model means that
+        return iter(()) if name in self._models else self._parts(
+            name, lambda body: body.link_names)
+
+    def joints(self, name: str) -> Iterator[Tuple[FramedBody, str]]:
+        """Yield the body and the joint for each movable one of the name MODEL::JOINT or JOINT."""
+        return self._parts(name, lambda body: body.first_axes)
+
+    def _parts(self, name: str, parts_of: Callable[[FramedBody], Iterable[str]]
+               ) -> Iterator[Tuple[FramedBody, str]]:
+        return ((body, part) for model, body in self.bodies for part in parts_of(body)
+                if name in (part, model + LINK_SEPARATOR + part))
+
+    def set_joints(self, name: str, positions: Mapping[str, float]) -> None:
+        """Put joints of a model at positions in rad or m, as far as their limits allow, at rest.
+
+        Of a joint with several axes, it is the first one. Like in Gazebo, names that the model
+        does not have are left out.
+        Raises SimulationError when there is no such model, or a position is not finite.
+        """
+        check('joint_positions', list(positions.values()))
+        bodies = self.bodies_of(name)
+        for joint, position in positions.items():
+            for body, found in self.joints(joint):
+                if body in bodies:
+                    lower, upper = body.limits(found)[:2]
+                    body.set_joint(body.first_axes[found], min(max(position, lower), upper))
+        self._simulator.notify_moved(bodies)
+
+    def state(self, name: str, frame: str = WORLD) -> State:
+        """Return the state of a model or link relative to `frame`: the world, a model or a link.
+
+        Links: see `link`. Raises SimulationError when there is no such model, link or frame.
         """
         model, origin = self._state_in_world(name), self._frame(frame)
         back = pybullet.invertTransform(origin.position, origin.orientation)
@@ -130,11 +175,11 @@ class Models:
         Raises SimulationError when there is no such model or frame, the model is the floor, or the
         state has a number that is not finite.
         """
-        model, origin = self._model(name), _transform(self._frame(frame))
+        model, origin = self._model(name), self._frame(frame).pose()
         if name.partition(LINK_SEPARATOR)[0] == self._floor:
             raise SimulationError('model {} cannot be moved'.format(name))
-        _check(state)
-        model.place(origin @ _transform(state), origin.rotation @ state.linear,
+        state.check()
+        model.place(origin @ state.pose(), origin.rotation @ state.linear,
                     origin.rotation @ state.angular)
         self._simulator.notify_moved(model.bodies)
 
@@ -165,16 +210,16 @@ class Models:
 
         Raises SimulationError when there is no such frame, or the state is not allowed.
         """
-        origin = _transform(self._frame(frame))
-        _check(state)
-        return origin @ _transform(state)
+        origin = self._frame(frame).pose()
+        state.check()
+        return origin @ state.pose()
 
     def remove(self, name: str) -> None:
         """Remove a model from the world; SimulationError if it is the floor or a robot."""
-        model = self._model(name)
-        if name == self._floor or model.vehicle is not None:
+        bodies = self.bodies_of(name)
+        if name == self._floor or self.vehicle(name) is not None:
             raise SimulationError('model {} cannot be deleted'.format(name))
-        self._simulator.remove_bodies(model.bodies)
+        self._simulator.remove_bodies(bodies)
         del self._models[name]
 
     def _model(self, name: str) -> _Model:
@@ -182,29 +227,26 @@ class Models:
         model_name, _, link = name.partition(LINK_SEPARATOR)
         if name in self._models:        # that of a file may have a ::
             model_name, link = name, ''
-        if model_name not in self._models:
-            raise SimulationError('no model {!r} (models: {})'.format(
-                model_name, ', '.join(self.names)))
-        model = self._models[model_name]
+        bodies = self.bodies_of(model_name)
         if not link:
-            return model
-        links = {body.root: body for body in model.bodies}
+            return self._models[model_name]
+        links = {body.root: body for body in bodies}
         if link not in links:
             raise SimulationError('model {} has no link {!r} without a joint above it (such '
                                   'links: {})'.format(model_name, link, ', '.join(links)))
-        return _Model([links[link]], vehicle=model.vehicle)
+        return _Model([links[link]])
 
     def _frame(self, name: str) -> State:
-        return _REST if name == WORLD else self._state_in_world(name)
+        return REST if name == WORLD else self._state_in_world(name)
 
     def _state_in_world(self, name: str) -> State:
-        motion = self._model(name).motion()
-        turn = rotations.matrix(motion.orientation)
-        return State(motion.position.tolist(), motion.orientation, turn @ motion.linear,
-                     turn @ motion.angular)
+        if name in self._models:
+            return in_world(self._models[name].motion())
+        body, link = self.link(name)
+        return in_world(body.motion(link))
 
 
-def _grouped(trees: Sequence[Tree], bodies: Sequence[Body]) -> List[_Model]:
+def _grouped(trees: Sequence[Tree], bodies: Sequence[FramedBody]) -> List[_Model]:
     """Return the models of trees that were loaded as bodies."""
     models: List[_Model] = []
     for tree, body in zip(trees, bodies):
@@ -213,17 +255,3 @@ def _grouped(trees: Sequence[Tree], bodies: Sequence[Body]) -> List[_Model]:
         else:
             models[-1].bodies.append(body)
     return models
-
-
-def _transform(state: State) -> Transform:
-    turn = state.orientation if np.linalg.norm(state.orientation) > 1e-6 else (0, 0, 0, 1)
-    return Transform(rotations.matrix(turn), np.array(state.position, float))
-
-
-def _check(state: State) -> None:
-    values = np.concatenate([np.array(part, float) for part in state])
-    if not np.all(np.isfinite(values)):
-        raise SimulationError('state: got {}, expected finite numbers'.format(values.tolist()))
-    if np.abs(values).max() > _MAX_VALUE:
-        raise SimulationError('state: got {0}, expected numbers from -{1:g} to {1:g}'.format(
-            values.tolist(), _MAX_VALUE))

@@ -2,8 +2,9 @@
 
 MISSING says why the package gazebo_msgs cannot be used, '' if it can.
 """
+import math
 from functools import partial
-from typing import Any, Callable, Dict, Sequence
+from typing import Any, Callable, Dict, Mapping, Sequence, Tuple
 
 import rospy
 from geometry_msgs.msg import Point, Pose, Quaternion, Twist, Vector3
@@ -14,20 +15,22 @@ from img_recog.conversions import robot_msgs
 from img_recog.errors import SimulationError, UserError, one_line
 from img_recog.formats import drive_tags, model_file, names
 from img_recog.model import Tree
-from img_recog.nodes.gazebo.physics_services import ServiceCalls
+from img_recog.nodes.gazebo.physics_services import RuntimeSettings, ServiceCalls
 from img_recog.nodes.gazebo.robot_plans import RobotPlans
 from img_recog.nodes.gazebo.robots import Robots
 from img_recog.ros.log.throttle import ThrottledWarning
 from img_recog.rotations import Transform
-from img_recog.simulation.models import LINK_SEPARATOR, WORLD, Models, State
+from img_recog.simulation.models import LINK_SEPARATOR, WORLD, Models
 from img_recog.simulation.pacing import Pace
 from img_recog.simulation.settings import SpawnSettings
 from img_recog.simulation.simulator import Simulator
+from img_recog.simulation.states import State, check
 
 try:
     from gazebo_msgs.msg import LinkState, ModelState, ModelStates
     from gazebo_msgs.srv import (DeleteModel, GetModelState, GetPhysicsProperties,
-                                 GetWorldProperties, SetLinkState, SetModelState, SpawnModel)
+                                 GetWorldProperties, SetLinkState, SetModelState,
+                                 SetPhysicsProperties, SpawnModel)
     MISSING = ''
 except ImportError as error:
     MISSING = 'gazebo_msgs cannot be loaded: {}'.format(one_line(error))
@@ -49,8 +52,9 @@ class ModelServices:
     """
 
     def __init__(self, simulator: Simulator, models: Models, robots: Robots, plans: RobotPlans,
-                 calls: ServiceCalls, pace: Pace):
-        """Advertise."""
+                 calls: ServiceCalls, pace: Pace, set_factor: Callable[[float], Any]):
+        """Advertise. set_factor: sets the real time factor."""
+        self._set_factor = set_factor
         self._simulator, self._models, self._robots = simulator, models, robots
         self._plans, self._calls, self._pace = plans, calls, pace
         self._states = rospy.Publisher('~model_states', ModelStates, queue_size=10)
@@ -64,9 +68,9 @@ class ModelServices:
                     'spawn_urdf_model': (SpawnModel, self._spawn),
                     'delete_model': (DeleteModel, self._delete),
                     'get_world_properties': (GetWorldProperties, self._describe_world),
-                    'get_physics_properties': (GetPhysicsProperties, self._describe_physics)}
-        for name, (kind, handler) in services.items():
-            rospy.Service('~' + name, kind, partial(_respond, handler))
+                    'get_physics_properties': (GetPhysicsProperties, self._describe_physics),
+                    'set_physics_properties': (SetPhysicsProperties, self._set_physics)}
+        serve(services)
         for name, kind, set_state in (('set_model_state', ModelState, self._set_model),
                                       ('set_link_state', LinkState, self._set_link)):
             rospy.Subscriber('~' + name, kind, partial(self._take, name, set_state),
@@ -79,16 +83,16 @@ class ModelServices:
             for name in self._models.names:
                 state = self._models.state(name)
                 msg.name.append(name)
-                msg.pose.append(_pose_of(state))
-                msg.twist.append(_twist_of(state))
+                msg.pose.append(pose_of(state))
+                msg.twist.append(twist_of(state))
             self._states.publish(msg)
 
     def _get(self, request: Any) -> Response:
-        frame = _frame_of(request.relative_entity_name)
+        frame = frame_of(request.relative_entity_name)
         state, time_s = self._calls.call(lambda: (
             self._models.state(request.model_name, frame), self._simulator.time_s))
         return {'header': Header(stamp=robot_msgs.stamp_of(time_s), frame_id=frame),
-                'pose': _pose_of(state), 'twist': _twist_of(state)}
+                'pose': pose_of(state), 'twist': twist_of(state)}
 
     def _take(self, name: str, set_state: Callable[[Any], Response], msg: Any) -> None:
         try:
@@ -107,11 +111,11 @@ class ModelServices:
 
     def _set(self, name: str, wanted: Any) -> Response:
         self._calls.call(lambda: self._models.set_state(
-            name, _state_of(wanted.pose, wanted.twist), _frame_of(wanted.reference_frame)))
+            name, _state_of(wanted.pose, wanted.twist), frame_of(wanted.reference_frame)))
         return {}
 
     def _spawn(self, request: Any) -> Response:
-        name, frame = request.model_name, _frame_of(request.reference_frame)
+        name, frame = request.model_name, frame_of(request.reference_frame)
         state = _state_of(request.initial_pose, Twist())
         # read in the thread of the service: the simulation goes on meanwhile
         if self._plans.is_robot(request.model_xml, request.robot_namespace.strip('/')):
@@ -181,6 +185,25 @@ class ModelServices:
                 'max_update_rate': wanted / world.step_s, 'gravity': Vector3(*world.file.gravity),
                 'status_message': 'simulated by PyBullet: ode_config is not used'}
 
+    def _set_physics(self, request: Any) -> Response:
+        world, gravity = self._simulator.world, vector_of(request.gravity)
+        if not math.isclose(request.time_step, world.step_s, rel_tol=1e-6):
+            raise SimulationError('time_step: got {:g}, and a simulation that runs keeps its {:g} s'
+                                  .format(request.time_step, world.step_s),
+                                  'set the parameter ~step_s before the start')
+        check('gravity', gravity)
+        factor = request.max_update_rate * world.step_s
+        RuntimeSettings(real_time_factor=factor)        # refuses what is not allowed
+        self._set_factor(factor)
+        self._calls.call(lambda: world.set_gravity(gravity))
+        return {'status_message': 'ode_config is not used'}
+
+
+def serve(services: Mapping[str, Tuple[Any, Callable[[Any], Response]]]) -> None:
+    """Serve private services, each with its type and what makes the response of a request."""
+    for name, (kind, handler) in services.items():
+        rospy.Service('~' + name, kind, partial(_respond, handler))
+
 
 def _respond(handler: Callable[[Any], Response], request: Any) -> Response:
     """Return what a service responds, also when its handler raises a UserError."""
@@ -190,21 +213,27 @@ def _respond(handler: Callable[[Any], Response], request: Any) -> Response:
         return {'success': False, 'status_message': str(error)}
 
 
-def _frame_of(name: str) -> str:
+def frame_of(name: str) -> str:
+    """Return the name that Models has for a reference frame of a request."""
     return WORLD if name in _WORLD_NAMES else name
 
 
-def _pose_of(state: State) -> Pose:
+def vector_of(msg: Any) -> Tuple[float, float, float]:
+    """Return the coordinates of a Vector3 or Point."""
+    return msg.x, msg.y, msg.z
+
+
+def pose_of(state: State) -> Pose:
+    """Return the pose of a state."""
     return Pose(Point(*state.position), Quaternion(*state.orientation))
 
 
-def _twist_of(state: State) -> Twist:
+def twist_of(state: State) -> Twist:
+    """Return the velocities of a state."""
     return Twist(Vector3(*state.linear), Vector3(*state.angular))
 
 
 def _state_of(pose: Pose, twist: Twist) -> State:
-    position, orientation = pose.position, pose.orientation
-    linear, angular = twist.linear, twist.angular
-    return State((position.x, position.y, position.z),
-                 (orientation.x, orientation.y, orientation.z, orientation.w),
-                 (linear.x, linear.y, linear.z), (angular.x, angular.y, angular.z))
+    turn = pose.orientation
+    return State(vector_of(pose.position), (turn.x, turn.y, turn.z, turn.w),
+                 vector_of(twist.linear), vector_of(twist.angular))

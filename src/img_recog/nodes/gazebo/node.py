@@ -10,9 +10,10 @@ Publishes: what the sensors measure, each on its topic (conversions/sensor_table
 (rosgraph_msgs/Clock, 100 Hz of simulated time), /tf odom -> base_footprint (30 Hz),
 ~real_time_factor (std_msgs/Float64, measured, 1 Hz of wall time), ~view/image_raw
 (sensor_msgs/Image, rgb8, at most 10 Hz of wall time),
-~model_states (gazebo_msgs/ModelStates, 100 Hz) and, of each bumper of a URDF, bumper_states
-(gazebo_msgs/ContactsState) if gazebo_msgs is installed, /diagnostics
-(diagnostic_msgs/DiagnosticArray, 1 Hz of wall time), /tf_static (tf2_msgs/TFMessage) for cameras.
+~model_states (gazebo_msgs/ModelStates, 100 Hz), ~link_states (gazebo_msgs/LinkStates, 100 Hz)
+and, of each bumper, bumper_states (gazebo_msgs/ContactsState) if gazebo_msgs is installed,
+/diagnostics (diagnostic_msgs/DiagnosticArray, 1 Hz of wall time), /tf_static (tf2_msgs/TFMessage)
+for cameras.
 ~world_outlines (visualization_msgs/MarkerArray, latched: what stands in the world, from above).
 Of each camera on the robot: camera/rgb/image_raw, camera/depth/image_raw (sensor_msgs/Image),
 camera/rgb/image_raw/compressed (sensor_msgs/CompressedImage), camera/rgb/camera_info and
@@ -21,7 +22,10 @@ Serves: ~pause_physics, ~unpause_physics, ~reset_world, ~reset_simulation (std_s
 (std_srvs/Trigger: goes on for ~step_period while paused),
 ~update_robots (std_srvs/Trigger; with several_robots: adds and removes robots), and if gazebo_msgs
 is installed, ~get_model_state, ~set_model_state, ~set_link_state, ~spawn_sdf_model,
-~spawn_urdf_model, ~delete_model, ~get_world_properties, ~get_physics_properties (gazebo_msgs).
+~spawn_urdf_model, ~delete_model, ~get_world_properties, ~get_physics_properties,
+~set_physics_properties, ~get_link_state, ~get_link_properties, ~get_joint_properties,
+~get_model_properties, ~set_model_configuration, ~apply_body_wrench, ~clear_body_wrenches,
+~apply_joint_effort, ~clear_joint_forces (gazebo_msgs).
 Served by dynamic_reconfigure (~set_parameters, ~parameter_descriptions, ~parameter_updates):
 real_time_factor and view.
 Reads: robot_description, NAME/robot_description, NAME/tf_prefix, ~robots, and the fields of all
@@ -29,7 +33,7 @@ settings of the simulation as private parameters.
 """
 import itertools
 import time
-from typing import Optional
+from typing import Optional, Sequence, Union
 
 import cv2
 import rospy
@@ -43,6 +47,7 @@ from img_recog.nodes.gazebo import model_services
 from img_recog.nodes.gazebo.clock import SimulatedClock
 from img_recog.nodes.gazebo.diagnostics import SimulationDiagnostics
 from img_recog.nodes.gazebo.images import Images
+from img_recog.nodes.gazebo.link_services import LinkServices
 from img_recog.nodes.gazebo.lockstep import Lockstep
 from img_recog.nodes.gazebo.lockstep_settings import LockstepSettings
 from img_recog.nodes.gazebo.model_services import ModelServices
@@ -121,17 +126,20 @@ class Gazebo:
             self._robots.connect_model(carrier, plans.of_model(source, carrier.settings))
         if self._lockstep is not None:
             self._lockstep.subscribe()
-        self._models: Optional[ModelServices] = None
+        self._reconfigurable = Reconfigurable(
+            RuntimeSettings(physics.real_time_factor, view.view),
+            lambda settings: self._calls.call(lambda: self._configure(settings)))
+        self._states: Sequence[Union[ModelServices, LinkServices]] = ()
         if model_services.MISSING:
             rospy.loginfo('model_states and the services of models are not offered, because %s',
                           model_services.MISSING)
         else:
-            self._models = ModelServices(self._simulator, models, self._robots, plans,
-                                         self._calls, self._pace)
+            self._states = (
+                ModelServices(self._simulator, models, self._robots, plans, self._calls,
+                              self._pace, lambda factor: self._reconfigurable.
+                              update_configuration({'real_time_factor': factor})),
+                LinkServices(self._simulator, models, self._calls))
         self._outlines = Outlines(self._simulator, frame, origin)
-        self._reconfigurable = Reconfigurable(
-            RuntimeSettings(physics.real_time_factor, view.view),
-            lambda settings: self._calls.call(lambda: self._configure(settings)))
         self._diagnostics = SimulationDiagnostics(self._pace, self._calls)
         self._robots.use_diagnostics(NodeDiagnostics('simulation', 'none', self._report))
         if single is None:
@@ -188,8 +196,8 @@ class Gazebo:
             readings += self._simulator.advance(
                 min(self._clock_steps - steps % self._clock_steps, end - steps))
             self._clock.add()
-            if self._models is not None:
-                self._models.update()
+            for states in self._states:
+                states.update()
         self._waiting.finish()
         # the clock first, so that no reading is stamped in the future
         self._clock.flush()

@@ -134,11 +134,6 @@ class Body:
                                             physicsClientId=self.physics_client_id)[0]
                    for link in self.links)
 
-    def gravity(self) -> np.ndarray:
-        """Return the gravity (3,) that acts on it, in m/s2 in the world."""
-        parameters = pybullet.getPhysicsEngineParameters(physicsClientId=self.physics_client_id)
-        return np.array([parameters['gravityAcceleration' + axis] for axis in 'XYZ'])
-
     def joint_values(self) -> Sequence[tuple]:
         """Return position, velocity, reaction forces and motor torque of each movable joint."""
         return pybullet.getJointStates(self.body_id, tuple(self.joints.values()),
@@ -167,6 +162,17 @@ class Body:
         for joint, position in zip(self.joints.values(), pose.joints):
             pybullet.resetJointState(self.body_id, joint, position, 0.0,
                                      physicsClientId=self.physics_client_id)
+
+    def joint_state(self, joint: str) -> Tuple[float, float]:
+        """Return position and velocity of a joint, in rad and rad/s or m and m/s."""
+        state = pybullet.getJointState(self.body_id, self.joints[joint],
+                                       physicsClientId=self.physics_client_id)
+        return state[0], state[1]
+
+    def set_joint(self, joint: str, position: float) -> None:
+        """Put a joint at a position in rad or m, at rest."""
+        pybullet.resetJointState(self.body_id, self.joints[joint], position, 0.0,
+                                 physicsClientId=self.physics_client_id)
 
     def raise_by(self, height: float) -> None:
         """Move the body upward by a height in m, without changing how it moves."""

@@ -22,12 +22,15 @@ _MIN_MOBILITY = 1e-12
 
 
 class Forces:
-    """What acts on a body in each step of PyBullet; warnings: a line each."""
+    """What acts on a body in each step of PyBullet.
 
-    def __init__(self, body: Body, model: Model, step_s: float):
+    gravity: (3,) m/s2, in the world; warnings: a line each.
+    """
+
+    def __init__(self, body: Body, model: Model, step_s: float, gravity: Vector):
         """model: that the body was made of."""
         self._body, self._client = body, {'physicsClientId': body.physics_client_id}
-        self._step_s, self._gravity = step_s, body.gravity()
+        self._step_s, self.gravity = step_s, gravity
         self.warnings: List[str] = []
         indices = link_indices(body.body_id, body.physics_client_id)
         stable = list(self._stable([joint for joint in model.joints if joint.name in body.joints
@@ -76,7 +79,7 @@ class Forces:
                                                forces=torques, **client)
         for index, mass, moments, floats, decay in self._links:
             center, turned, linear, angular = _state(self._body, index)
-            force = -mass * self._gravity if floats else np.zeros(3)
+            force = -mass * np.array(self.gravity) if floats else np.zeros(3)
             if decay[0] and np.linalg.norm(linear) > _MIN_SPEED:
                 force = force - mass * decay[0] / self._step_s * linear
             pybullet.applyExternalForce(body_id, index, force.tolist(), center,

@@ -1,19 +1,37 @@
 """A body whose links are known by the names that its file gives them."""
+import math
 from typing import Dict, Optional, Tuple
 
+import pybullet
+
 from img_recog.errors import SimulationError
-from img_recog.model import Frame, Model
+from img_recog.formats.sdf_frames import WORLD
+from img_recog.formats.sdf_models import BETWEEN_AXES
+from img_recog.model import CONTINUOUS, Frame, Limits, Model
 from img_recog.rotations import Quaternion, Transform
 from img_recog.simulation.physics.body import Body, FrameState, Motion, Vector, motion_of_frame
 from img_recog.simulation.physics.client import link_indices
 
 
 class FramedBody(Body):
-    """The body of a model: what sensors can be mounted on."""
+    """The body of a model: what sensors can be mounted on.
+
+    model: what it was made of; link_names: of the links that Gazebo has, too: without those of a
+    URDF that are parts of others, and without its `world`; first_axes: of each joint that moves, by its name,
+    the name that its first axis has in `joints`.
+    """
 
     def __init__(self, body_id: int, physics_client_id: int, model: Model, fixed: bool = False):
         super().__init__(body_id, physics_client_id, fixed)
+        self.model = model
         self._frames = model.frames or {link.name: Frame(link.name) for link in model.links}
+        # the body of a plane or terrain is a part of a link of another body
+        is_part = not model.frames and (model.is_plane or model.terrain is not None)
+        self.link_names = [] if is_part else [
+            name for name, frame in self._frames.items() if name == frame.link and name != WORLD]
+        self.first_axes: Dict[str, str] = {}
+        for axis in self.joints:
+            self.first_axes.setdefault(axis.partition(BETWEEN_AXES)[0], axis)
         self._mounts: Dict[str, Frame] = {}
         self._surfaces = model.surfaces
         self._link_indices = link_indices(body_id, physics_client_id)
@@ -30,6 +48,26 @@ class FramedBody(Body):
     def frame_state(self, frame: str) -> FrameState:
         """Return the state of a link of the model; errors as for `motion`."""
         return self.part_state(*self._carrier(frame))
+
+    def push(self, link: str, force: Vector, torque: Vector) -> None:
+        """Let a force and a torque act on a link in the next step, at its center of mass.
+
+        force: (3,) in N, and torque: (3,) in N m; both along the axes of the world.
+        """
+        part, in_part = self._carrier(link)
+        center = self.part_state(part, in_part).point
+        client = {'physicsClientId': self.physics_client_id}
+        pybullet.applyExternalForce(self.body_id, part, force, center, pybullet.WORLD_FRAME,
+                                    **client)
+        pybullet.applyExternalTorque(self.body_id, part, torque, pybullet.WORLD_FRAME, **client)
+
+    def limits(self, joint: str) -> Limits:
+        """Return the limits of the first axis of a joint, infinite where it has none."""
+        for each in self.model.joints:
+            if each.name == self.first_axes[joint] and each.limits is not None:
+                return each.limits if each.kind != CONTINUOUS else each.limits._replace(
+                    lower=-math.inf, upper=math.inf)
+        return Limits(-math.inf, math.inf)
 
     def add_mount(self, frame: str, link: str, pose: Transform) -> None:
         """Add a frame with a constant pose in a link of the model.

@@ -1,5 +1,5 @@
 """The physics client, and everything in it except robots."""
-from typing import Dict, Iterable, List, Optional, Sequence, Tuple
+from typing import Any, Dict, Iterable, List, Optional, Sequence, Tuple
 
 import pybullet
 
@@ -13,6 +13,7 @@ from img_recog.simulation.physics.client import all_or_nothing
 from img_recog.simulation.physics.forces import Forces
 from img_recog.simulation.physics.framed_body import FramedBody
 from img_recog.simulation.physics.meeting import Meeting
+from img_recog.simulation.physics.pushes import Pushes
 from img_recog.simulation.physics.solids import Solids
 from img_recog.simulation.settings import PhysicsSettings
 
@@ -27,11 +28,11 @@ class World:
 
     physics_client_id: to be passed to every PyBullet call; step_s: of the physics; solids: of all
     bodies in the client; floor: None in a world without; file: what stands in the world now;
-    bodies: one for each tree in `file`; revision: the number of times that something was added or
-    removed, robots too, or that something fixed was moved for the first time; lifted: how far, in
-    m, each body was moved upward that was in the floor when it was added, by name; crowded: a line
-    if the step after the last `add` takes long; warnings: what else of that `add` is simulated in
-    another way, a line each.
+    bodies: one for each tree in `file`; pushes: that act for a time; revision: the number of times
+    that something was added or removed, robots too, or that something fixed was moved for the
+    first time; lifted: how far, in m, each body was moved upward that was in the floor when it was
+    added, by name; crowded: a line if the step after the last `add` takes long; warnings: what
+    else of that `add` is simulated in another way, a line each.
     """
 
     def __init__(self, settings: PhysicsSettings, file: WorldFile, physics_client_id: int,
@@ -44,11 +45,12 @@ class World:
         self.physics_client_id, self.step_s = physics_client_id, settings.step_s
         self.solids, self._meeting = Solids(physics_client_id), Meeting(physics_client_id)
         self._forces: Dict[int, Forces] = {}
+        self.pushes = Pushes()
         self.file, self.revision = file._replace(trees=()), 0
         self.bodies: List[FramedBody] = []
         self.lifted: Dict[str, float] = {}
         pybullet.setTimeStep(settings.step_s, physicsClientId=physics_client_id)
-        pybullet.setGravity(*file.gravity, physicsClientId=physics_client_id)
+        self.set_gravity(file.gravity)
         # contacts in a fixed order, so that equal commands give equal trajectories
         pybullet.setPhysicsEngineParameter(deterministicOverlappingPairs=1,
                                            physicsClientId=physics_client_id)
@@ -97,6 +99,13 @@ class World:
         self.file = self.file._replace(trees=(*self.file.trees, *(tree for tree, _ in loaded)))
         self.notify_changed()
 
+    def set_gravity(self, gravity: Tuple[float, ...]) -> None:
+        """Let another gravity (3,) act from the next step on, in m/s2."""
+        pybullet.setGravity(*gravity, physicsClientId=self.physics_client_id)
+        self.file = self.file._replace(gravity=gravity)
+        for forces in self._forces.values():
+            forces.gravity = gravity
+
     def lift(self, body: Body) -> standing.Lift:
         """Move a robot upward until it is in nothing, see `standing.lift`."""
         others = [other for other in self.bodies if not other.is_plane]
@@ -129,7 +138,7 @@ class World:
         self._meeting.add(bodies)
         lines: List[str] = []
         for body, model in bodies:
-            forces = Forces(body, model, self.step_s)
+            forces = Forces(body, model, self.step_s, self.file.gravity)
             lines += ['{}: {}'.format(body.name, line) for line in forces.warnings]
             if forces:
                 self._forces[body.body_id] = forces
@@ -139,6 +148,7 @@ class World:
         """Undo `adopt`; call it before the body is removed."""
         self._meeting.forget(body)
         self._forces.pop(body.body_id, None)
+        self.pushes.forget(body)
 
     def unload(self, body: Body) -> None:
         """Remove a body that is not one of `bodies`, a robot."""
@@ -168,7 +178,10 @@ class World:
             self._pairs.refresh()
         # local names: this is the innermost loop
         step, physics_client_id = pybullet.stepSimulation, self.physics_client_id
-        acting, pairs = tuple(self._forces.values()), self._pairs
+        acting: List[Any] = list(self._forces.values())
+        if self.pushes:
+            acting.append(self.pushes)
+        pairs = self._pairs
         for _ in range(count):
             for forces in acting:
                 forces.apply()
@@ -178,6 +191,7 @@ class World:
 
     def reset(self) -> None:
         """Move all bodies back to where they were when they were added, at rest."""
+        self.pushes.clear()
         for body in self.bodies:
             body.reset()
         self._pairs.reset()

@@ -81,8 +81,7 @@ class Imu(Sensor):
             np.hypot(np.repeat((settings.gyro_noise, settings.accel_noise), 3),
                      [each.deviation for each in given]))
         self._rounded = [(number, each) for number, each in enumerate(given) if each.precision]
-        # in the world; upwards under gravity, REP 145
-        self._force_at_rest = (-mount.robot.gravity() * settings.imu_gravity).tolist()
+        self._world, self._share = mount.world, float(settings.imu_gravity)
         self.restart()
 
     def restart(self) -> None:
@@ -107,8 +106,11 @@ class Imu(Sensor):
         before = self._velocity or velocity
         self._velocity = velocity
         period_s = self._period_s
-        (vx, vy, vz), (lx, ly, lz), (gx, gy, gz) = velocity, before, self._force_at_rest
-        force = ((vx - lx) / period_s + gx, (vy - ly) / period_s + gy, (vz - lz) / period_s + gz)
+        # the force at rest is against gravity, REP 145
+        share, gravity = self._share, self._world.file.gravity
+        (vx, vy, vz), (lx, ly, lz), (gx, gy, gz) = velocity, before, gravity
+        force = ((vx - lx) / period_s - share * gx, (vy - ly) / period_s - share * gy,
+                 (vz - lz) / period_s - share * gz)
         (ax, ay, az), (fx, fy, fz) = into_frame(orientation, state.angular, force)
         e0, e1, e2, e3, e4, e5 = next(self._noise)
         measured: Tuple[float, ...] = ax + e0, ay + e1, az + e2, fx + e3, fy + e4, fz + e5
