@@ -1,19 +1,16 @@
 """Short forms of ./run chaos and ./run test --long, which use the same functions."""
 import re
-import socket
-import subprocess
-import sys
 
 import pytest
 
 from img_recog.ros.transport.switch import is_plain
-from img_recog_testing.reliability import (chaos, cutting, endings, figures, files, images,
-                                           long_tests, siege, soak, surroundings, twists)
+from img_recog_testing.reliability import (chaos, endings, figures, files, images, long_tests,
+                                           siege, soak, surroundings, twists)
 from img_recog_testing.reliability.demo import NODES, START_LIMIT_S, STOP_LIMIT_S, Demo
 from img_recog_testing.reliability.faults import KINDS, Fault, possible
 from img_recog_testing.reliability.parts import PARTS, Options
 from img_recog_testing.reliability.nodes import Nodes
-from img_recog_testing.waiting import DEADLINE_S, stretch
+from img_recog_testing.waiting import stretch
 
 # with plain rospy, a subscriber that gets damaged bytes loses its connection, and a node may wait
 # for the master when it ends
@@ -59,7 +56,6 @@ FAULTS = (
     Fault('readers', 'usb_cam', (50,)),
     Fault('idle', 'gazebo', (20,)),
     Fault('garbage', 'color_extract', (10, SEED)),
-    Fault('cut', 'color_extract', ('reset',)),
     Fault('pause', 'usb_cam', (1.0,)),
     Fault('starve', 'gazebo', (1.0, 2)),
     Fault('master', 'master', ('SIGKILL', 0.5)))
@@ -144,29 +140,6 @@ def test_a_fault_that_is_not_survived_is_a_failure(tmp_path):
     assert not run.apply(Fault('kill', 'color_extract', ('SIGKILL',)))
     assert run.failures == ['kill color_extract SIGKILL: LookupError: color_extract runs 0 times']
     assert lines == ['  FAILED ' + run.failures[0]]
-
-
-def test_a_cut_is_seen_at_both_ends():
-    if cutting.why_not_cut():
-        pytest.skip(cutting.why_not_cut())
-    program = ('import socket, sys\n'
-               'sock = socket.create_connection(("127.0.0.1", int(sys.argv[1])))\n'
-               'try:\n    sys.stdout.write("end" if not sock.recv(1) else "data")\n'
-               'except OSError as error:\n    sys.stdout.write(type(error).__name__)')
-    with socket.create_server(('127.0.0.1', 0)) as server:
-        for reset in (False, True):
-            child = subprocess.Popen([sys.executable, '-c', program,
-                                      str(server.getsockname()[1])], stdout=subprocess.PIPE)
-            sock, _ = server.accept()
-            assert cutting.cut(child.pid, reset) == 1
-            sock.settimeout(DEADLINE_S)
-            try:
-                assert sock.recv(1) == b'' and not reset
-            except ConnectionResetError:
-                assert reset
-            sock.close()
-            end = child.communicate(timeout=DEADLINE_S * stretch())[0].decode()
-            assert end.endswith('Error') if reset else end == 'end'
 
 
 def test_the_long_tests_refuse_an_unknown_part(capsys):

@@ -7,7 +7,7 @@ from typing import Dict, Iterable, Iterator, List, Optional, Sequence
 
 from img_recog_testing import process_table
 from img_recog_testing.process_table import Usage
-from img_recog_testing.reliability import cutting, faults, figures
+from img_recog_testing.reliability import faults, figures
 from img_recog_testing.reliability import demo as demos
 from img_recog_testing.reliability.chain import ChainError
 from img_recog_testing.reliability.demo import (LIMIT_S, NODES, START_LIMIT_S, STOP_LIMIT_S, Demo,
@@ -147,8 +147,6 @@ def main(words: Optional[Sequence[str]] = None) -> int:
     repeat = ''.join(' --only ' + kind for kind in options.only or ())
     _say('chaos for {:g} min; repeat it with --seed {}{}'.format(options.minutes, seed, repeat))
     kinds = options.only or faults.possible()
-    if 'cut' not in kinds and not options.only:
-        _say('cut is left out: this machine does not allow {}'.format(cutting.why_not_cut()))
     sequence = drawn(seed, kinds)
     if options.faults is not None:
         sequence = (fault for fault, _ in zip(sequence, range(options.faults)))

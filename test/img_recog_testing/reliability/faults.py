@@ -11,7 +11,7 @@ from typing import Any, Callable, Dict, Iterator, List, NamedTuple, Tuple
 
 from img_recog.ros.transport.switch import is_plain
 from img_recog_testing import process_table, wire
-from img_recog_testing.reliability import chain, cutting
+from img_recog_testing.reliability import chain
 from img_recog_testing.reliability.demo import NODES, Demo
 from img_recog_testing.waiting import DEADLINE_S, wait_for
 
@@ -102,14 +102,6 @@ def _pin(pid: int, cores) -> None:
 
 
 @contextlib.contextmanager
-def cut(demo: Demo, fault: Fault) -> Undo:
-    """Cut all connections of a node, from outside."""
-    how, = fault.details
-    cutting.cut(demo.pid(fault.node), how == 'reset')
-    yield time.monotonic()
-
-
-@contextlib.contextmanager
 def master(demo: Demo, fault: Fault) -> Undo:
     """End the master, and start another one that knows nothing.
 
@@ -173,17 +165,15 @@ def addresses(demo: Demo, node: str) -> List[Tuple[str, int]]:
 
 
 APPLY: Dict[str, Callable] = {each.__name__: each for each in (
-    kill, pause, starve, cut, master, readers, idle, garbage)}
+    kill, pause, starve, master, readers, idle, garbage)}
 KINDS = tuple(APPLY)
 
 
 def possible() -> Tuple[str, ...]:
-    """Return the kinds of faults that this machine allows and the transport in use survives."""
+    """Return the kinds of faults that the transport in use survives."""
     left_out = set()
-    if cutting.why_not_cut():
-        left_out.add('cut')
     if is_plain('registration'):
-        left_out |= {'cut', 'master'}
+        left_out.add('master')
     if is_plain('handshakes'):
         left_out |= {'idle', 'garbage'}
     return tuple(kind for kind in KINDS if kind not in left_out)
@@ -193,7 +183,6 @@ _DETAILS: Dict[str, Callable[[random.Random], Tuple]] = {
     'kill': lambda rng: (rng.choice(('SIGKILL', 'SIGTERM', 'rosnode')),),
     'pause': lambda rng: (round(rng.uniform(1.0, 10.0), 1),),
     'starve': lambda rng: (round(rng.uniform(2.0, 6.0), 1), rng.randint(1, 4)),
-    'cut': lambda rng: (rng.choice(('reset', 'close')),),
     'master': lambda rng: (rng.choice(('SIGKILL', 'SIGINT')), round(rng.uniform(0.0, 4.0), 1)),
     'readers': lambda rng: (rng.randint(10, 100),),
     'idle': lambda rng: (rng.randint(10, 100),),

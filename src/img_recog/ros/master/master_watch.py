@@ -1,8 +1,7 @@
-"""Notices a new master and lost connections, and registers and connects the node again."""
+"""Notices a new master, and registers the node again."""
 import threading
-import time
 import xmlrpc.client
-from typing import Any, Callable, Dict, Mapping, Optional, Sequence, Set, Tuple
+from typing import Any, Callable, Dict, Optional, Tuple
 
 import rosgraph
 import rospy
@@ -16,14 +15,10 @@ from img_recog.timed_xmlrpc import Master
 _PERIOD_S = 1.0
 _MAX_TIMEOUTS = 3       # a busy master may miss one; a refused connection is reported at once
 _STOP_TIMEOUT_S = 0.5
-_MAX_ANSWER_S = 0.5     # of a node
-_CHECK_POLLS = 5        # the master's list of publishers takes time; it is read every so many
 
 
 class MasterWatch:
     """Polls the master; registers the node again when the master does not know it.
-
-    It also connects subscribers again whose connection to a running publisher was cut.
 
     That is so after a restart of the master. Its parameters are lost then: the private ones of
     this node, /use_sim_time and robot_description are kept here and set again, except those that
@@ -31,15 +26,11 @@ class MasterWatch:
     """
 
     def __init__(self, timeout_s: float = 1.0) -> None:
-        """timeout_s: of a call to the master or a node."""
-        self._timeout_s = timeout_s
+        """timeout_s: of a call to the master."""
         self._uri, self._name = rosgraph.get_master_uri(), rospy.get_name()
         self._master = Master(self._uri, self._name, timeout_s)
         self._private: Dict[str, Any] = {}
         self._shared: Optional[Dict[str, Any]] = None
-        self._unconnected: Set[str] = set()
-        self._connections: Dict[str, int] = {}
-        self._polls = 0
         self._failures = 0
         self._is_gone = self._is_registering = self._is_unreadable = False
         self._ended = threading.Event()
@@ -86,8 +77,6 @@ class MasterWatch:
             self._ended.set()       # another node has this name, and this one is shut down
         elif code == 1 and not self._is_registering and not self._is_gone:
             self._keep(private)
-            if self._may_be_unconnected():
-                self._reconnect(dict(self._master.call('getSystemState')[0]))
         else:
             # one that was gone may be a new one also if it has the node: rospy sends it what the
             # node has subscribed or advertised meanwhile, and nothing else
@@ -110,44 +99,6 @@ class MasterWatch:
             return node, None
         self._is_unreadable = False
         return node, private if has_private == 1 and isinstance(private, dict) else {}
-
-    def _may_be_unconnected(self) -> bool:
-        """Return whether to read the publishers of all topics: some connection may be missing.
-
-        A lost connection is seen here, unless another one was made at the same time.
-        """
-        before, self._connections = self._connections, registration.connections()
-        self._polls += 1
-        return (bool(self._unconnected) or self._polls % _CHECK_POLLS == 0
-                or any(count == 0 or count < before.get(topic, 0)
-                       for topic, count in self._connections.items()))
-
-    def _reconnect(self, publishers: Mapping[str, Sequence[str]]) -> None:
-        """Connect subscribers that have lost a publisher; rospy does so only for a new publisher.
-
-        publishers: the names of the nodes that publish each topic.
-        """
-        missing = registration.unconnected_topics(publishers)
-        # in two polls: rospy itself is about to connect to a publisher that is new
-        for topic in sorted(missing & self._unconnected):
-            for publisher in publishers[topic]:
-                uri = self._master.ask('lookupNode', publisher)
-                if uri is not None and self._answers(uri):
-                    registration.connect(topic, uri)
-        self._unconnected = missing
-
-    def _answers(self, uri: str) -> bool:
-        """Return whether a node answers soon: rospy would wait for one that is suspended.
-
-        One that answers late was suspended. rospy connects at the same time if it waited too.
-        """
-        begin_s = time.monotonic()
-        try:
-            with timed_xmlrpc.server(uri, self._timeout_s) as node:
-                node.getPid(self._name)
-        except timed_xmlrpc.ERRORS:
-            return False
-        return time.monotonic() - begin_s < _MAX_ANSWER_S
 
     def _keep(self, private: Optional[Dict[str, Any]]) -> None:
         if private is not None:

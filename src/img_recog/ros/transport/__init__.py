@@ -38,10 +38,8 @@ Names that are used
     registration.py
         rospy.core: _xmlrpc_cache and _xmlrpc_lock, whose proxy for the master is replaced;
         _LockedServerProxy. rospy.impl.registration: get_registration_listeners().listeners,
-        RegManager.publisher_update and _connect_topic_thread; get_topic_manager(), its
-        get_publications(), get_subscriptions() and get_subscriber_impl(), and connections of the
-        latter; get_service_manager().get_services(). rospy.impl.masterslave.xmlrpcapi, which is
-        replaced.
+        RegManager.publisher_update; get_topic_manager(), its get_publications() and
+        get_subscriptions(); get_service_manager().get_services().
     subscribers.py
         rospy.impl.registration.get_topic_manager().pubs; of a topic in it, connections and
         resolved_name; a connection's endpoint_id and socket.

@@ -1,8 +1,7 @@
 """The calls of a node to the master: they never delay its end, and they can be repeated.
 
 rospy calls the master without a time limit and registers only once: a node that is shut down while
-the master does not answer would not end, and a new master would not know the node. Calls to
-publishers that do not answer are not repeated.
+the master does not answer would not end, and a new master would not know the node.
 """
 import errno
 import http.client
@@ -10,11 +9,11 @@ import socket
 import threading
 import weakref
 import xmlrpc.client
-from typing import Any, Callable, Dict, Mapping, NamedTuple, Sequence, Set
+from typing import Any, Callable, NamedTuple
 
 import rosgraph
 import rospy
-from rospy.impl import masterslave, registration
+from rospy.impl import registration
 
 from img_recog.ros.transport.switch import is_plain
 
@@ -35,12 +34,11 @@ def is_watched() -> bool:
 
 
 def limit_calls() -> None:
-    """Have rospy's calls to the master end when the node is shut down, and to publishers end.
+    """Have rospy's calls to the master end when the node is shut down.
 
     Call before init_node.
     """
     if is_watched():
-        masterslave.xmlrpcapi = _Publisher
         uri = rosgraph.get_master_uri()
         with rospy.core._xmlrpc_lock:
             rospy.core._xmlrpc_cache[uri] = rospy.core._LockedServerProxy(
@@ -80,28 +78,6 @@ def register_again(call: Callable[..., Any]) -> Registered:
     return Registered(len(publications) + len(subscriptions), len(offered))
 
 
-def connections() -> Dict[str, int]:
-    """Return the number of connections of each subscribed topic."""
-    topics = registration.get_topic_manager()
-    found = {name: topics.get_subscriber_impl(name) for name, _ in topics.get_subscriptions()}
-    return {name: len(topic.connections) for name, topic in found.items() if topic is not None}
-
-
-def unconnected_topics(publishers: Mapping[str, Sequence[str]]) -> Set[str]:
-    """Return the subscribed topics that have fewer connections than publishers.
-
-    publishers: the names of the nodes that publish each topic, from the master.
-    """
-    return {name for name, count in connections().items() if count < len(publishers.get(name, ()))}
-
-
-def connect(topic: str, publisher_uri: str) -> None:
-    """Connect a subscriber of this node to a publisher, if it is not connected; wait for it."""
-    for listener in registration.get_registration_listeners().listeners:
-        if isinstance(listener, registration.RegManager):
-            listener._connect_topic_thread(topic, publisher_uri)
-
-
 class MasterConnection(http.client.HTTPConnection):
     """Waits for the master without limit until the node is shut down."""
 
@@ -126,24 +102,6 @@ class MasterConnection(http.client.HTTPConnection):
             self.sock.shutdown(socket.SHUT_RDWR)
         except (AttributeError, OSError):       # closed meanwhile
             pass
-
-
-class _Publisher:
-    """A publisher that is asked once for a topic.
-
-    rospy asks for ever, in a new thread for each update from the master, unless the connection is
-    refused. master_watch.py finds a publisher that answers later.
-    """
-
-    def __init__(self, uri: str, cache: bool):
-        self._uri, self._is_cached = uri, cache
-
-    def requestTopic(self, *args: Any) -> Any:
-        """Ask how to connect; raise ConnectionRefusedError if there is no answer."""
-        try:
-            return rospy.core.xmlrpcapi(self._uri, self._is_cached).requestTopic(*args)
-        except Exception as error:      # a bad URI, no address, a fault: rospy repeats them all
-            raise ConnectionRefusedError(errno.ECONNREFUSED, str(error))
 
 
 class _Transport(xmlrpc.client.Transport):

@@ -14,7 +14,7 @@ class FakeMaster:
     """
 
     def __init__(self):
-        self.calls, self.free, self._pid = [], threading.Event(), 0
+        self.free = threading.Event()
         self.free.set()
         self.renew()
         self._server = XmlRpcServer(dispatch=self._call)
@@ -22,8 +22,7 @@ class FakeMaster:
 
     def renew(self, parameters=(), nodes=()):
         """Be another master from now on."""
-        self._pid += 1
-        self.parameters, self.nodes, self.publishers = dict(parameters), dict(nodes), []
+        self.parameters, self.nodes = dict(parameters), dict(nodes)
 
     def stop(self):
         self._server.stop()
@@ -33,15 +32,8 @@ class FakeMaster:
 
     def _call(self, method, caller, name='', value=None):
         self.free.wait(DEADLINE_S)
-        self.calls.append(method)
         if method == 'lookupNode':
             return (1, '', self.nodes[name]) if name in self.nodes else (-1, 'unknown', '')
-        if method == 'getSystemState':
-            return 1, '', [self.publishers, [], []]
-        if method == 'getPid':
-            return 1, '', self._pid
-        if method == 'getParamNames':
-            return 1, '', list(self.parameters)
         if method == 'hasParam':
             return 1, '', name in self.parameters
         if method == 'setParam':

@@ -1,5 +1,4 @@
 """The watch notices a new master, and sets the parameters that it does not have."""
-import socket
 import xmlrpc.client
 
 import pytest
@@ -8,7 +7,6 @@ import rospy
 from img_recog.ros.master import master_watch
 from img_recog.ros.master.master_watch import MasterWatch
 from img_recog_testing.waiting import DEADLINE_S
-from img_recog_testing.xmlrpc_server import XmlRpcServer
 
 URI = 'http://node:1/'
 PARAMETERS = {'/node/rate': 30, '/node/name': 'x', '/use_sim_time': True,
@@ -121,57 +119,3 @@ def test_a_node_that_was_replaced_is_not_registered_again(watch, master, lines):
     master.nodes['/node'] = 'http://other:1/'
     watch.poll()
     assert watch.has_ended and lines == []
-
-
-@pytest.fixture
-def connected(watch, master, monkeypatch):
-    """What the watch connects; of the publishers of /image, only /camera answers in time."""
-    connected = []
-    monkeypatch.setattr(master_watch.registration, 'connections', lambda: {'/image': 0})
-    monkeypatch.setattr(master_watch.registration, 'unconnected_topics',
-                        lambda publishers: {'/image'} & set(publishers))
-    monkeypatch.setattr(master_watch.registration, 'connect',
-                        lambda *words: connected.append(words))
-    camera = XmlRpcServer(getPid=lambda _: [1, '', 1])
-    with socket.socket() as suspended:
-        suspended.bind(('127.0.0.1', 0))
-        suspended.listen(1)
-        master.nodes.update({
-            '/camera': camera.uri, '/dead': 'http://127.0.0.1:1/',
-            '/suspended': 'http://127.0.0.1:{}/'.format(suspended.getsockname()[1])})
-        master.publishers = [['/image', ['/unknown', '/dead', '/suspended', '/camera']],
-                             ['/clock', ['/sim']]]
-        yield [connected, [('/image', camera.uri)]]
-    camera.stop()
-
-
-@pytest.mark.parametrize('timeout_s', [1.0])
-def test_a_lost_connection_is_made_again(watch, connected):
-    connected, wanted = connected
-    watch.poll()
-    assert connected == []          # rospy may be about to connect
-    watch.poll()
-    assert connected == wanted
-
-
-def test_a_connection_that_is_back_is_left_alone(watch, master, connected):
-    watch.poll()
-    publishers, master.publishers = master.publishers, []
-    watch.poll()
-    master.publishers = publishers
-    watch.poll()
-    assert connected[0] == []
-
-
-def test_publishers_are_read_if_a_connection_may_be_missing_and_from_time_to_time(
-        watch, master, monkeypatch):
-    monkeypatch.setattr(master_watch.registration, 'unconnected_topics', lambda _: set())
-
-    def is_read(count):
-        monkeypatch.setattr(master_watch.registration, 'connections', lambda: {'/image': count})
-        del master.calls[:]
-        watch.poll()
-        return 'getSystemState' in master.calls
-    # the fixture has polled once
-    assert [is_read(count) for count in (0, 1, 2, 2, 1, 1, 1, 1, 1, 1)] == [
-        True, False, False, True, True, False, False, False, True, False]

@@ -3,7 +3,6 @@ import os
 import socket
 import threading
 import time
-from types import SimpleNamespace
 
 import pytest
 import rospy
@@ -119,31 +118,3 @@ def test_an_error_ends_the_registration(name, monkeypatch):
         raise ConnectionRefusedError
     with pytest.raises(ConnectionRefusedError):
         registration.register_again(call)
-
-
-@pytest.mark.usefixtures('fast')
-def test_a_topic_with_fewer_connections_than_publishers_is_unconnected(name, publish_to):
-    subscriber = rospy.Subscriber(name, String, lambda msg: None)
-    try:
-        assert registration.unconnected_topics({name: ['/a']}) == {name}
-        end = publish_to(name, String)
-        assert registration.unconnected_topics({name: ['/a']}) == set()
-        assert registration.unconnected_topics({name: ['/a', '/b']}) == {name}
-        assert registration.unconnected_topics({}) == set()
-        end.sock.close()            # rospy does not connect again
-        end.join()
-        assert registration.unconnected_topics({name: ['/a']}) == {name}
-    finally:
-        subscriber.unregister()
-
-
-@pytest.mark.usefixtures('fast')
-def test_connect_asks_the_publisher(name, monkeypatch):
-    calls = []
-    manager = rospy_registration.RegManager.__new__(rospy_registration.RegManager)
-    manager.handler = SimpleNamespace(
-        _connect_topic=lambda *words: calls.append(words) or (1, '', 0))
-    monkeypatch.setattr(rospy_registration.get_registration_listeners(), 'listeners',
-                        [object(), manager])
-    registration.connect(name, 'http://publisher')
-    assert calls == [(name, 'http://publisher')]
