@@ -9,7 +9,6 @@ from typing import Any, Callable, Dict, Mapping, Optional, Tuple
 
 import yaml
 
-from img_recog.camera import videre_ini
 from img_recog.errors import UserError, one_line, shortened
 from img_recog.files import atomic_write, plain
 from img_recog.markup import load_yaml, read_bytes
@@ -101,16 +100,14 @@ def check(calibration: Calibration) -> None:
 
 
 def load(path: str, warn: Callable[[str], None] = lambda _: None) -> Calibration:
-    """Read a calibration file: .ini, or else YAML.
+    """Read a calibration file.
 
     warn: called with one line that names what the file does not state and is assumed.
     Raises FileNotFoundError when it does not exist, and CalibrationError naming the file and the
     entry when it is not a calibration, or not one that `check` accepts.
     """
     try:
-        data = read_bytes(path, _MAX_BYTES, plain)
-        content = (videre_ini.parse(data.decode(errors='replace')) if _is_ini(path)
-                   else load_yaml(_FILE_STORAGE.sub(b'', data)))
+        content = load_yaml(_FILE_STORAGE.sub(b'', read_bytes(path, _MAX_BYTES, plain)))
     except FileNotFoundError:
         raise
     except (OSError, UserError) as error:
@@ -125,7 +122,7 @@ def load(path: str, warn: Callable[[str], None] = lambda _: None) -> Calibration
     except ValueError as error:
         raise CalibrationError('calibration {} has no usable entry {}'.format(path, error))
     assumed = []
-    if 'distortion_model' not in content and not _is_ini(path):
+    if 'distortion_model' not in content:
         assumed.append('no distortion_model, assuming ' + loaded.distortion_model)
     if not loaded.distortion:
         assumed.append('no distortion_coefficients, assuming an image without distortion')
@@ -135,7 +132,7 @@ def load(path: str, warn: Callable[[str], None] = lambda _: None) -> Calibration
 
 
 def save(path: str, calibration: Calibration) -> None:
-    """Write a calibration file, .ini or else YAML, atomically; the target of a symlink is written.
+    """Write a calibration file atomically; the target of a symlink is written.
 
     Raises CalibrationError naming the file when it cannot be written.
     """
@@ -148,16 +145,11 @@ def save(path: str, calibration: Calibration) -> None:
     for field, (key, rows, columns) in _MATRICES.items():
         data = [float(value) for value in getattr(calibration, field)]
         content[key] = {'rows': rows, 'cols': columns or len(data), 'data': data}
-    if _is_ini(path) and calibration.distortion_model != _model_of(len(calibration.distortion)):
-        raise CalibrationError(
-            'cannot write calibration {}: an .ini file does not state the distortion model {}'
-            .format(path, calibration.distortion_model), 'set camera_info_url to a .yaml file')
     target = os.path.realpath(path)
     try:
         os.makedirs(os.path.dirname(target), exist_ok=True)
         with atomic_write((target,), advice='') as (file,):
-            text = (videre_ini.text_of(content) if _is_ini(path) else
-                    yaml.safe_dump(content, sort_keys=False, default_flow_style=None))
+            text = yaml.safe_dump(content, sort_keys=False, default_flow_style=None)
             file.write(text.encode())
             os.fchmod(file.fileno(), _MODE)
     except (OSError, UserError) as error:
@@ -166,14 +158,10 @@ def save(path: str, calibration: Calibration) -> None:
             path, one_line(error.__cause__ or error)))
 
 
-def _is_ini(path: str) -> bool:
-    return path.lower().endswith('.ini')
-
-
 def _model_of(coefficients: int) -> str:
     """Return the model that a file which states none has, by the number of its coefficients.
 
-    camera_calibration_parsers assumes plumb_bob in YAML files; in .ini files, it goes by 5 or 8.
+    camera_calibration_parsers assumes plumb_bob.
     """
     is_rational = coefficients in _COEFFICIENT_COUNTS['rational_polynomial']
     return 'rational_polynomial' if is_rational else 'plumb_bob'

@@ -96,10 +96,14 @@ def path_of_url(url: str, camera_name: str) -> str:
     url: file:///PATH, package://PACKAGE/PATH, or empty for camera_info/CAMERA_NAME.yaml in
     ROS_HOME; a relative PATH of file:// starts in the user's folder. ${NAME} is replaced by the
     name of the camera and ${ROS_HOME} by that folder.
-    Raises SettingError for another scheme, an unknown package or a path outside of it.
+    Raises SettingError for another scheme, an .ini file, an unknown package or a path outside of
+    it.
     """
     url = url or 'file://${ROS_HOME}/camera_info/${NAME}.yaml'
     resolved = url.replace('${ROS_HOME}', rospkg.get_ros_home()).replace('${NAME}', camera_name)
+    if resolved.lower().endswith('.ini'):
+        raise SettingError('camera_info_url', url, 'the URL of a YAML file; make one by "rosrun '
+                           'camera_calibration_parsers convert OLD.ini NEW.yaml"')
     scheme, _, rest = resolved.partition('://')
     if scheme == 'file' and rest:
         return files.user_output_path(rest)

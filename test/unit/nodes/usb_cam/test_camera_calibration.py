@@ -121,6 +121,7 @@ def test_calibration_urls(monkeypatch, tmp_path):
 @pytest.mark.parametrize('url, words', [
     ('http://x/y', 'allowed is file:///PATH, package://PACKAGE/PATH or empty'),
     ('file://', ''),
+    ('file:///head_camera.INI', 'allowed is the URL of a YAML file; make one by "rosrun '),
     ('package://sensor_msgs/../a.yaml', 'the path leaves the package sensor_msgs'),
     ('package://sensor_msgs/a/../../sensor_msgs2/a.yaml', 'the path leaves the package'),
     ('package://sensor_msgs//etc/a.yaml', 'the path leaves the package'),
