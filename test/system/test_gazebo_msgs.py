@@ -582,8 +582,8 @@ def test_joints_are_put_where_asked(gazebo, rod):
     assert put(['pivot'], [1.0]) == (True, '')
     assert pivot(gazebo) == [1.0, 0.0]
     assert put(['pivot'], [4.0]) == (True, '') and pivot(gazebo) == [3.0, 0.0]
-    assert put(['pivot'], []) == (False, 'got 1 joint_names and 0 joint_positions; give a position '
-                                         'for each joint')
+    assert put(['pivot'], []) == (
+        False, 'got 1 joint_names and 0 joint_positions; give a position for each joint')
     assert put([], [], 'none')[0] is False
 
 

@@ -24,8 +24,8 @@ DEPTH = '''<gazebo reference="{link}"><sensor type="depth" name="realsense_R200"
 # a red wall whose near side is 2 m in front of the origin
 WALL = ('<model name="wall"><static>1</static><pose>2.05 0 0.5 0 0 0</pose><link name="l">'
         + BOX.format('collision', '', '0.1 4 1') + BOX.format('visual', '', '0.1 4 1').replace(
-            '</visual>', '<material><ambient>1 0 0 1</ambient><diffuse>1 0 0 1</diffuse></material>'
-            '</visual>')
+            '</visual>', '<material><ambient>1 0 0 1</ambient><diffuse>1 0 0 1</diffuse>'
+            '</material></visual>')
         + '</link></model>')
 WATCH = r'''
 import json, sys

@@ -44,7 +44,8 @@ def test_each_sensor_has_its_topic_and_those_of_a_kind_can_share_one(ros, simula
 
 def test_models_of_a_world_drive_and_measure_by_their_plugins(ros, simulate, tmp_path):
     world = tmp_path / 'bots.sdf'
-    world.write_text(sdf(BUILT_IN, WALL, POST, ROBOT.format('<robotNamespace>bot</robotNamespace>')))
+    robot = ROBOT.format('<robotNamespace>bot</robotNamespace>')
+    world.write_text(sdf(BUILT_IN, WALL, POST, robot))
     node = simulate('_world:={}'.format(world))
     node.wait_output('simulating')
     # from the post at x 0, and from the robot at x -1, to the wall at 2.9

@@ -67,7 +67,10 @@ class ModelForces:
         return wait, max(1, round(duration_s / step_s))
 
     def clear_wrenches(self, link: str) -> None:
-        """End those on MODEL::LINK, or on all links of a name; like in Gazebo, nothing happens if there are none."""
+        """End those on MODEL::LINK, or on all links of a name.
+
+        Like in Gazebo, nothing happens if there are none.
+        """
         self._clear(Wrench, list(self._models.links(link)))
 
     def clear_efforts(self, joint: str) -> None:

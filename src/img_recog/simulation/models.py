@@ -110,8 +110,9 @@ class Models:
         for found in self.links(name):
             return found
         model, _, link = name.partition(LINK_SEPARATOR)
-        raise SimulationError('model {} has no link {!r} (links: {})'.format(model, link, ', '.join(
-            each for body in self.bodies_of(model) for each in body.link_names)))
+        known = [each for body in self.bodies_of(model) for each in body.link_names]
+        raise SimulationError('model {} has no link {!r} (links: {})'.format(
+            model, link, ', '.join(known)))
 
     def joint(self, name: str) -> Tuple[FramedBody, str]:
         """Return the first one that `joints` yields; SimulationError when there is none."""

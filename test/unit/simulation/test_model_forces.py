@@ -8,7 +8,8 @@ from img_recog.simulation.model_forces import ModelForces
 from img_recog.simulation.models import Models
 from img_recog_testing.robots import simulator
 
-ARM = '''<model name="{0}"><pose>{1} 0 0 0 0 0</pose><link name="base"><pose>0 0 1 0 0 0</pose></link>
+ARM = '''<model name="{0}"><pose>{1} 0 0 0 0 0</pose>
+  <link name="base"><pose>0 0 1 0 0 0</pose></link>
   <link name="arm"><pose>0 0 1 0 0 0</pose><inertial><mass>1</mass><inertia><ixx>0.5</ixx>
     <iyy>0.5</iyy><izz>0.5</izz></inertia></inertial></link>
   <joint name="fix" type="fixed"><parent>world</parent><child>base</child></joint>

@@ -188,9 +188,9 @@ class ModelServices:
     def _set_physics(self, request: Any) -> Response:
         world, gravity = self._simulator.world, vector_of(request.gravity)
         if not math.isclose(request.time_step, world.step_s, rel_tol=1e-6):
-            raise SimulationError('time_step: got {:g}, and a simulation that runs keeps its {:g} s'
-                                  .format(request.time_step, world.step_s),
-                                  'set the parameter ~step_s before the start')
+            raise SimulationError(
+                'time_step: got {:g}, and a simulation that runs keeps its {:g} s'.format(
+                    request.time_step, world.step_s), 'set the parameter ~step_s before the start')
         check('gravity', gravity)
         factor = request.max_update_rate * world.step_s
         RuntimeSettings(real_time_factor=factor)        # refuses what is not allowed

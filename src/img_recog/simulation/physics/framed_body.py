@@ -17,8 +17,8 @@ class FramedBody(Body):
     """The body of a model: what sensors can be mounted on.
 
     model: what it was made of; link_names: of the links that Gazebo has, too: without those of a
-    URDF that are parts of others, and without its `world`; first_axes: of each joint that moves, by its name,
-    the name that its first axis has in `joints`.
+    URDF that are parts of others, and without its `world`; first_axes: of each joint that moves,
+    by its name, the name that its first axis has in `joints`.
     """
 
     def __init__(self, body_id: int, physics_client_id: int, model: Model, fixed: bool = False):

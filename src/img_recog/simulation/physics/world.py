@@ -56,7 +56,7 @@ class World:
                                            physicsClientId=physics_client_id)
         friction.set_up(physics_client_id, settings.step_s)
         self._pairs, self._pairs_revision = friction.Pairs(physics_client_id), -1
-        self.floor: Optional[Body] = None
+        self.floor: Optional[FramedBody] = None
         if file.has_floor:
             (_, self.floor), = load_bodies([FLOOR], physics_client_id)
             self._set_dynamics(self.floor, FLOOR.model)
