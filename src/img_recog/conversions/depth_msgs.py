@@ -14,12 +14,21 @@ _FIELDS = tuple(PointField(name, offset, PointField.FLOAT32, 1)
                 for name, offset in (('x', 0), ('y', 4), ('z', 8), ('rgb', 16)))
 
 
+def within(depths: np.ndarray, limits: Tuple[float, float]) -> np.ndarray:
+    """Return depths, NaN for those that have no point, as in Gazebo.
+
+    depths: float32, in m, +inf for nothing; limits: the smallest and the largest one that is told
+    (pointCloudCutoff and pointCloudCutoffMax of gazebo_plugins).
+    """
+    return np.where((depths > limits[0]) & (depths < limits[1]), depths, np.float32(np.nan))
+
+
 def to_bytes(depths: np.ndarray, encoding: str) -> np.ndarray:
     """Return the bytes (height, width, n) of an image of depths.
 
-    depths: float32, in m, +inf for nothing. In 16UC1, that and what is 65.5 m away are 0.
+    depths: float32, in m, NaN for nothing. In 16UC1, that and what is 65.5 m away are 0.
 
-    >>> to_bytes(np.array([[1.5, np.inf]], np.float32), '16UC1').view(np.uint16).tolist()
+    >>> to_bytes(np.array([[1.5, np.nan]], np.float32), '16UC1').view(np.uint16).tolist()
     [[[1500], [0]]]
     """
     if encoding == MILLIMETERS:
@@ -28,24 +37,22 @@ def to_bytes(depths: np.ndarray, encoding: str) -> np.ndarray:
     return depths.view(np.uint8).reshape(*depths.shape, -1)
 
 
-def to_msg(depths: np.ndarray, image: np.ndarray, rays: np.ndarray, limits: Tuple[float, float],
+def to_msg(depths: np.ndarray, image: np.ndarray, rays: np.ndarray,
            header: Header) -> PointCloud2:
-    """Return the point of each pixel with its color; NaN is nothing, or beyond the limits.
+    """Return the point of each pixel with its color; NaN is nothing.
 
-    depths: float32 (height, width), m along the optical axis; image: uint8 RGB; rays (height,
-    width, 3): along which pixels look, x to the right and z forward, as rendering.rays has them;
-    limits: the smallest and the largest depth that has a point (pointCloudCutoff and
-    pointCloudCutoffMax of gazebo_plugins).
+    depths: float32 (height, width), m along the optical axis, NaN for nothing; image: uint8 RGB;
+    rays (height, width, 3): along which pixels look, x to the right and z forward, as
+    rendering.rays has them.
     """
     points = np.zeros(depths.shape, _POINT)
-    kept = np.where((depths > limits[0]) & (depths < limits[1]), depths, np.nan)
-    points['xyz'] = (kept / rays[..., 2])[..., np.newaxis] * rays
+    points['xyz'] = (depths / rays[..., 2])[..., np.newaxis] * rays
     points['bgr'] = image[..., ::-1]
     height, width = depths.shape
     return PointCloud2(header=header, height=height, width=width, fields=list(_FIELDS),
                        is_bigendian=sys.byteorder == 'big', point_step=_POINT.itemsize,
                        row_step=_POINT.itemsize * width, data=points.tobytes(),
-                       is_dense=not np.isnan(kept).any())
+                       is_dense=not np.isnan(depths).any())
 
 
 def from_msg(msg: PointCloud2) -> Tuple[np.ndarray, np.ndarray]:

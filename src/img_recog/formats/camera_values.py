@@ -141,6 +141,8 @@ def of_plugin(sensor: ElementTree.Element, plugin: ElementTree.Element, side: st
                                                 plugin.findtext('hackBaseline'))
     if sensor.get('type') == _DEPTH:
         values.update(_depth(plugin, of))
+        if 'gazebo_ros_depth_camera' in plugin.get('filename', ''):     # it has no upper limit
+            del values['camera_points_max']
     return values
 
 

@@ -131,7 +131,7 @@ class CameraSettings(Settings):
     camera_noise, camera_noise_mean: the standard deviation and the mean of what is added to all
     colors of a pixel, which are from 0 to 1. camera_encoding: of the images.
     The topics of depth images may be empty: there are none then, and no point clouds.
-    camera_points_min, camera_points_max: m, of what has a point.
+    camera_points_min, camera_points_max: m, of what has a depth and a point.
 
     camera_lens: one of SDF's <lens><type>, or a pinhole, whose distortion is camera_k1 to
     camera_p2. camera_c1 to camera_fun: the function of a custom lens, radius = c1 f

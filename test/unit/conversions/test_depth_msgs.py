@@ -11,14 +11,17 @@ from img_recog.rendering.rays import directions
 from img_recog_testing.drawn import GREEN, HERE, at, loaded, scene, visual
 
 
-def test_floats_keep_what_is_nothing():
-    depths = np.array([[0.5, np.inf, 3.25]], np.float32)
-    assert depth_msgs.to_bytes(depths, '32FC1').view(np.float32)[0, :, 0].tolist() == [
-        0.5, np.inf, 3.25]
+@pytest.mark.parametrize('limits, wanted', [
+    ((0.0, 10000.0), [0.25, 3.25, np.nan]), ((0.4, 5.0), [np.nan, 3.25, np.nan]),
+    ((0.0, 3.0), [0.25, np.nan, np.nan])])
+def test_floats_are_not_a_number_for_nothing_and_beyond_the_limits(limits, wanted):
+    depths = depth_msgs.within(np.array([[0.25, 3.25, np.inf]], np.float32), limits)
+    found = depth_msgs.to_bytes(depths, '32FC1').view(np.float32)[0, :, 0]
+    assert np.array_equal(found, np.array(wanted, np.float32), equal_nan=True)
 
 
 def test_millimeters():
-    depths = np.array([[0.0014, 1.2346, 65.535, 65.6, np.inf]], np.float32)
+    depths = np.array([[0.0014, 1.2346, 65.535, 65.6, np.nan]], np.float32)
     encoded = depth_msgs.to_bytes(depths, '16UC1')
     assert encoded.shape == (1, 5, 2) and encoded.dtype == np.uint8
     assert encoded.view(np.uint16)[0, :, 0].tolist() == [1, 1235, 65535, 0, 0]
@@ -30,7 +33,8 @@ def cloud(limits):
     renderer = loaded(scene(visual(Shape(BOX, (0.2, 1.0, 9.0)), at(2.1, 0, 0), GREEN)), HERE)
     image, depth = (draw(renderer, camera, np.eye(4), HERE)
                     for draw in (lens_views.draw, lens_views.depth))
-    return depth_msgs.to_msg(depth, image, directions(camera), limits, Header(frame_id='lens'))
+    return depth_msgs.to_msg(depth_msgs.within(depth, limits), image, directions(camera),
+                             Header(frame_id='lens'))
 
 
 def test_points_are_on_the_plane_of_a_wall():
@@ -58,5 +62,5 @@ def test_beyond_the_limits_there_are_no_points(limits):
 def test_a_cloud_without_gaps_is_dense():
     depths = np.full((2, 3), 1.5, np.float32)
     msg = depth_msgs.to_msg(depths, np.zeros((2, 3, 3), np.uint8),
-                            directions(Camera(3, 2, 1.0)), (0.4, 5.0), Header())
+                            directions(Camera(3, 2, 1.0)), Header())
     assert msg.is_dense

@@ -125,13 +125,13 @@ class CameraTopics:
 
     def _publish_depths(self, depth: np.ndarray, image: np.ndarray, header: Header) -> None:
         settings = self.settings
+        depth = depth_msgs.within(depth, (settings.camera_points_min, settings.camera_points_max))
         if self._depths is not None:
             encoding = settings.camera_depth_encoding
             self._depths.publish(depth_msgs.to_bytes(depth, encoding), encoding, header)
         if self._points is not None and self._is_used(self._points):
             self._points.publish(depth_msgs.to_msg(
-                depth, image, rays.directions(self.camera),
-                (settings.camera_points_min, settings.camera_points_max), header))
+                depth, image, rays.directions(self.camera), header))
 
     def info(self, header: Header) -> CameraInfo:
         """Return the intrinsic parameters; all are zero if no model can say what the lens does."""

@@ -93,6 +93,9 @@ def test_depths_are_published_as_floats(publishers):
     assert encoding == '32FC1' and image.shape == (24, 32, 4) and image.dtype == np.uint8
     assert np.all(image.copy().view(np.float32) == 1.5)
     assert publishers['eye/depth_info'].sent[0][0].header is header
+    nearer = CameraTopics(settings(**DEPTH, camera_points_max=1.0))
+    nearer.publish(picture(depth=True), 2.0)
+    assert np.isnan(publishers['eye/depth'].sent[-1][0].copy().view(np.float32)).all()
 
 
 @pytest.mark.parametrize('encoding, pixel', [('rgb8', [10, 200, 40]), ('bgr8', [40, 200, 10]),
