@@ -33,7 +33,7 @@ class CameraSettings(Settings):
     """Parameters of a frame source.
 
     video_device: a V4L2 device, the path of a video, image or folder of images, the URL of a
-        stream, video or image (rtsp://, http://), `synthetic`, or `auto` (/dev/video0 if it
+        stream or video (rtsp://, http://), `synthetic`, or `auto` (/dev/video0 if it
         exists, or else the synthetic scene).
     image_width, image_height: size requested from a device and drawn by the synthetic scene, in
         pixels; other sources keep their own size.

@@ -1,12 +1,12 @@
-"""A live stream, a video or an image at a URL, decoded by FFmpeg."""
+"""A live stream or a video at a URL, decoded by FFmpeg."""
 import time
-from typing import Callable, List, Optional
+from typing import Callable, Optional
 
 import numpy as np
 
 from img_recog.camera import urls
 from img_recog.camera.decoder import Decoder, open_decoder, released_on_error
-from img_recog.camera.image_source import EXTENSIONS, VIDEO_EXTENSIONS, ImageSource
+from img_recog.camera.image_source import VIDEO_EXTENSIONS
 from img_recog.camera.settings import CameraSettings
 from img_recog.camera.source import (FrameSkipped, FrameSource, SourceError, SourceTooLarge,
                                      check_size)
@@ -20,9 +20,9 @@ _STALL_TIMEOUT_S = 1.8
 
 
 def open_url(settings: CameraSettings, warn: Callable[[str], None]) -> FrameSource:
-    """Open a live stream, a video (at its own rate) or an image (fetched once).
+    """Open a live stream or a video (at its own rate).
 
-    Raises SourceError when it is none of these, when it has too many pixels, or when the server
+    Raises SourceError when it is neither, when it has too many pixels, or when the server
     does not answer.
     """
     scheme, url = urls.split(settings.video_device)
@@ -40,30 +40,11 @@ def open_url(settings: CameraSettings, warn: Callable[[str], None]) -> FrameSour
         count = decoder.frame_count
         if is_http and (count > 1 or urls.ends_with(url, VIDEO_EXTENSIONS)):
             return RemoteVideoSource(url, decoder, settings.loop, warn, max_pixels=max_pixels)
-        stream = StreamSource(name, decoder, announces_rate=not is_http, max_pixels=max_pixels)
-        if is_http and (count == 1 or urls.ends_with(url, EXTENSIONS)):
-            return _image_or_stream(stream, settings.framerate)
-        return stream
+        return StreamSource(name, decoder, announces_rate=not is_http, max_pixels=max_pixels)
 
 
 def _open(url: str, max_pixels: int) -> Optional[Decoder]:
     return open_decoder(url, max_pixels, (_OPEN_TIMEOUT_S, _READ_TIMEOUT_S))
-
-
-def _image_or_stream(stream: 'StreamSource', rate_hz: float) -> FrameSource:
-    # some cameras call their stream .jpg, too: an image is what has only one frame
-    images: List[np.ndarray] = []
-    while len(images) < 2:
-        try:
-            images.append(stream.read())
-        except FrameSkipped:
-            continue
-        except SourceTooLarge:
-            raise
-        except SourceError:
-            stream.close()
-            return ImageSource(stream.name, images[0], rate_hz)
-    return stream
 
 
 class RemoteVideoSource(VideoSource):
@@ -150,7 +131,8 @@ class StreamSource(FrameSource):
         if frame is None or now_s - begin_s >= _READ_TIMEOUT_S:
             problem = '{} gives no more frames: ended or silent'.format(self.name)
             if self._count == 1:
-                raise SourceError(problem + ' after the first', 'give a stream, not an image')
+                raise SourceError(problem + ' after the first',
+                                  'give a stream or a video; an image has to be a file')
             raise SourceError(problem)
         check_size('cannot play ' + self.name, frame.shape[1], frame.shape[0], self._max_pixels)
         self._count += 1

@@ -1,4 +1,4 @@
-"""Streams, videos and images that a server sends."""
+"""Streams and videos that a server sends."""
 import functools
 import http.server
 import os
@@ -9,7 +9,6 @@ import cv2
 import numpy as np
 import pytest
 
-from img_recog.camera.image_source import ImageSource
 from img_recog.camera.selection import open_source
 from img_recog.camera.settings import CameraSettings
 from img_recog.camera.source import FrameSkipped, SourceEnded, SourceError
@@ -90,16 +89,6 @@ def test_video_at_a_url_loops(make_video, serve):
         wanted = smooth_image(number)[..., ::-1].astype(int)
         assert np.abs(source.read() - wanted).mean() < 3.0, number
     source.close()
-
-
-@pytest.mark.parametrize('name', ['still.png', 'still.jpg'])
-def test_image_at_a_url_is_fetched_once(tmp_path, serve, name):
-    assert cv2.imwrite(str(tmp_path / name), smooth_image(1))
-    source = opened('http://{}{}'.format(serve, name), framerate=4)
-    (tmp_path / name).unlink()
-    assert isinstance(source, ImageSource) and source.rate_hz == 4.0
-    for _ in range(3):
-        assert np.abs(source.read() - smooth_image(1)[..., ::-1].astype(int)).mean() < 3.0
 
 
 def test_stream_ends_after_its_frames_and_reconnects(serve):

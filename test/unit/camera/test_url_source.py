@@ -1,10 +1,9 @@
-"""Streams, videos and images at URLs, with a fake of the decoder."""
+"""Streams and videos at URLs, with a fake of the decoder."""
 import numpy as np
 import pytest
 from av.error import FFmpegError
 
 from img_recog.camera import urls
-from img_recog.camera.image_source import ImageSource
 from img_recog.camera.selection import open_source
 from img_recog.camera.settings import CameraSettings
 from img_recog.camera.source import FrameSkipped, SourceEnded, SourceError
@@ -58,8 +57,8 @@ def test_failures_that_are_the_end_of_a_stream(clock, steps, found):
 
 def test_stream_that_ends_after_its_first_frame_may_be_an_image(clock):
     assert results(stream(clock, True, *END))[1] == (
-        'rtsp://camera/live gives no more frames: ended or silent after the first; give a '
-        'stream, not an image')
+        'rtsp://camera/live gives no more frames: ended or silent after the first; give a stream '
+        'or a video; an image has to be a file')
 
 
 def test_stream_without_a_first_frame_is_refused_and_closed(clock, monkeypatch):
@@ -120,23 +119,6 @@ def test_video_and_stream_are_distinguished(clock, monkeypatch, url, count, sour
     assert source.rate_hz == (25.0 if source_class is RemoteVideoSource else None)
     is_announced = source_class is RemoteVideoSource or url[0] == 'r'
     assert source.expected_hz == (25.0 if is_announced else None)
-
-
-@pytest.mark.parametrize('url, count', [
-    ('http://h/snapshot', 1), ('http://h/p.png?size=2', UNKNOWN), ('http://h/p.jpg', 1)])
-def test_image_at_a_url(clock, monkeypatch, url, count):
-    decoder = FakeDecoder(clock, [True, False], rate_hz=25.0, frame_count=count)
-    source = at_url(monkeypatch, decoder, url, framerate=5)
-    assert isinstance(source, ImageSource) and decoder.released
-    assert (source.rate_hz, source.width, source.height) == (5.0, 64, 48)
-    assert source.read().shape == source.read().shape == (48, 64, 3)
-
-
-@pytest.mark.parametrize('steps, source_class', [
-    ([-0.1, True, False], ImageSource), ([-0.1, True, -0.1, True], StreamSource)])
-def test_damaged_frames_do_not_hide_an_image(clock, monkeypatch, steps, source_class):
-    decoder = FakeDecoder(clock, steps, rate_hz=25.0, frame_count=UNKNOWN)
-    assert type(at_url(monkeypatch, decoder, 'http://h/p.jpg')) is source_class
 
 
 def remote_video(clock, *steps, loop=True, warnings=None, count=4):
