@@ -9,7 +9,6 @@ import camera
 import drawing
 import fitting
 import fleet
-import growth
 import lockstep
 import page
 import recognition
@@ -23,9 +22,8 @@ from tqdm import tqdm
 
 BENCHMARKS = {'start': start, 'simulator': simulator, 'drawing': drawing,
               'robot_camera': robot_camera, 'textured': textured, 'camera': camera,
-              'recognition': recognition, 'growth': growth, 'transport': transport, 'page': page,
-              'fleet': fleet, 'lockstep': lockstep, 'fitting': fitting,
-              'sweep': sweep}
+              'recognition': recognition, 'transport': transport, 'page': page, 'fleet': fleet,
+              'lockstep': lockstep, 'fitting': fitting, 'sweep': sweep}
 
 
 def main() -> int:
