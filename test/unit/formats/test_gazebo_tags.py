@@ -149,7 +149,8 @@ def test_our_own_burger_gives_no_setting():
 def test_rates_of_zero_or_less_are_each_step_but_of_rays(rate):
     values = overrides(robot(drive(updateRate=rate), ray(rate=rate), imu(updateRate=rate)), 0.004)
     assert {name: value for name, value in values.items() if name.endswith('_period_s')} == {
-        'odometry_period_s': 0.004, 'joint_states_period_s': 0.004, 'imu_period_s': 0.004}
+        'odometry_period_s': 0.004, 'drive_period_s': 0.004, 'joint_states_period_s': 0.004,
+        'imu_period_s': 0.004}
 
 
 @pytest.mark.parametrize('elements, wanted', [
