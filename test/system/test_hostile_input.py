@@ -1,14 +1,12 @@
 """Recognition goes on with hostile parameters, images and subscribers."""
 import socket
 import sys
-import xmlrpc.client
 
-import pytest
 from rosgraph_msgs.msg import Log
 
 from img_recog.ros.transport.switch import is_plain
-from img_recog_testing import process_table, wire
-from img_recog_testing.waiting import DEADLINE_S, wait_for
+from img_recog_testing import wire
+from img_recog_testing.waiting import DEADLINE_S
 
 _IDLE = 20
 FORGED = 'x\n[FATAL] forged'
@@ -56,28 +54,6 @@ def test_recognition_goes_on(shared_ros):
     assert '\n[FATAL]' not in node.output and '\x1b' not in node.output.replace('\x1b[33m', '') \
         .replace('\x1b[0m', '')
     assert max(map(len, node.output.splitlines())) < 2200
-
-
-@pytest.mark.skipif(is_plain('registration'), reason='only documented rospy')
-def test_publishers_that_do_not_exist_leave_no_threads(shared_ros):
-    node = shared_ros.start_node('color_img_recog.py')
-    master = xmlrpc.client.ServerProxy(shared_ros.master_uri)
-    subscribed = wait_for(lambda: dict(master.getSystemState('/test')[2][1]).get(
-        '/usb_cam/image_raw'), lambda: node.output)
-    uri = master.lookupNode('/test', subscribed[0])[2]
-
-    def threads():
-        return process_table.usage(node.pid).threads
-    with socket.create_server(('127.0.0.1', 0)) as last:
-        last.settimeout(DEADLINE_S)
-        hosts = ['nowhere.invalid:{}'.format(port) for port in range(1, 101)]
-        hosts += ['127.0.0.1:{}'.format(last.getsockname()[1])]
-        before = threads()
-        with xmlrpc.client.ServerProxy(uri) as called:
-            called.publisherUpdate('/master', '/usb_cam/image_raw',
-                                   ['http://{}/'.format(host) for host in hosts])
-        last.accept()[0].close()        # the others have been tried by then
-    wait_for(lambda: threads() < before + 20, threads)
 
 
 def test_a_node_runs_without_a_log_folder(shared_ros, tmp_path):
