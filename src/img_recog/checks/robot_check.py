@@ -89,11 +89,11 @@ def _body(vehicle: Vehicle, seen: Looks) -> Iterator[Row]:
     yield Row(SIMULATED, 'size', size(seen.boxes[0]))
     yield Row(SIMULATED, 'root link', robot.root)
     yield Row(SIMULATED, 'movable joints', ', '.join(robot.joints) or 'none')
-    held = [joint.name for joint in vehicle.model.joints if joint.held and joint.name not in (
+    held = [joint.name for joint in robot.model.joints if joint.held and joint.name not in (
         *vehicle.settings.drive.left_joints, *vehicle.settings.drive.right_joints)]
     if held:
         yield Row(SIMULATED, 'joints that are held', ', '.join(held), 'ros_control')
-    for name in vehicle.model.changed_inertias:
+    for name in robot.model.changed_inertias:
         yield Row(ASSUMED, 'inertia of ' + name, 'the nearest possible one')
 
 

@@ -273,7 +273,7 @@ def add_sensors(simulator: Simulator, kinds: Sequence[SensorKind], with_bare: bo
             source = read_model(tree.model, world.step_s, kinds, with_bare)
             settings = RobotSettings(noise=NoiseSettings().of(tree.name), sensors={
                 each.name: _settings_in_tag(source.source, each) for each in source.sensors})
-            carrier = Carrier(tree.model, settings, world, body, source.sensors)
+            carrier = Carrier(settings, world, body, source.sensors)
         except SimulationError as error:
             warnings.append('{}; its sensors are not simulated'.format(one_line(error)))
             continue

@@ -5,7 +5,6 @@ from typing import Any, Callable, Collection, Dict, List, NamedTuple, Optional, 
 
 import numpy as np
 
-from img_recog.model import Model
 from img_recog.settings import nearest_period
 from img_recog.simulation.physics.drive import Drive
 from img_recog.simulation.physics.framed_body import FramedBody
@@ -36,18 +35,18 @@ class Reading(NamedTuple):
 class Carrier:
     """A model with sensors: one that stands in the world, or as a Vehicle, a robot that drives.
 
-    robot: the body; model: what it was made with; settings: those of all sensors, in which an
+    robot: the body; settings: those of all sensors, in which an
     empty frame is the root link; sensors: all but cameras; missing_sensors: those that were left
     out, and the links for them that the robot does not have.
     """
 
-    def __init__(self, model: Model, settings: RobotSettings, world: World, robot: FramedBody,
+    def __init__(self, settings: RobotSettings, world: World, robot: FramedBody,
                  sensors: Sequence[RobotSensor] = (), drive: Optional[Drive] = None):
         """Mount the sensors; SimulationError when a setting does not fit."""
-        self.model, self.sensors, self.robot, self._world = model, sensors, robot, world
+        self.sensors, self.robot, self._world = sensors, robot, world
         self.settings = dataclasses.replace(settings, sensors={
             each.name: _with_root(settings.sensors.get(each.name) or each.kind.settings(),
-                                  model.root) for each in sensors})
+                                  robot.model.root) for each in sensors})
         self._drive_steps = _NEVER
         self._sensors: Dict[str, ScheduledSensor] = {}
         self.missing_sensors: Dict[str, str] = {}

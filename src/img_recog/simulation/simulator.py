@@ -55,7 +55,7 @@ class Simulator:
         """Add a vehicle that was loaded into the world; return warnings, a line each."""
         self._vehicles.append(vehicle)
         self._carriers.append(vehicle)
-        warnings = self.world.adopt([(vehicle.robot, vehicle.model)])
+        warnings = self.world.adopt([vehicle.robot])
         self.world.notify_changed()
         return warnings
 

@@ -30,7 +30,7 @@ class Vehicle(Carrier):
         """
         self.drive = make_drive(settings.drive)
         robot = SimulatedRobot(model, self.drive.motors, settings.spawn, world.physics_client_id)
-        super().__init__(model, settings, world, robot, sensors, self.drive)
+        super().__init__(settings, world, robot, sensors, self.drive)
         self.robot: SimulatedRobot = robot
         self._lift()
         self._drive_steps = whole_steps('drive_period_s', settings.drive.drive_period_s,

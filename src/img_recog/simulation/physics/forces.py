@@ -10,10 +10,11 @@ import numpy as np
 import pybullet
 
 from img_recog import rotations
-from img_recog.model import Joint, Model
+from img_recog.model import Joint
 from img_recog.rotations import Quaternion
 from img_recog.simulation.physics.body import Body, Vector
 from img_recog.simulation.physics.client import link_indices
+from img_recog.simulation.physics.framed_body import FramedBody
 
 _MIN_SPEED = 0.01       # m/s and rad/s, of velocity decay: that of ODE
 _STABLE = 1.9           # the limit is 2; of what is beyond it, _KEPT is simulated
@@ -27,19 +28,19 @@ class Forces:
     gravity: (3,) m/s2, in the world; warnings: a line each.
     """
 
-    def __init__(self, body: Body, model: Model, step_s: float, gravity: Vector):
-        """model: that the body was made of."""
+    def __init__(self, body: FramedBody, step_s: float, gravity: Vector):
         self._body, self._client = body, {'physicsClientId': body.physics_client_id}
         self._step_s, self.gravity = step_s, gravity
         self.warnings: List[str] = []
         indices = link_indices(body.body_id, body.physics_client_id)
-        stable = list(self._stable([joint for joint in model.joints if joint.name in body.joints
-                                    and (joint.stiffness or joint.damping)]))
+        stable = list(self._stable([
+            joint for joint in body.model.joints
+            if joint.name in body.joints and (joint.stiffness or joint.damping)]))
         self._springs = [(body.joints[joint.name], joint.stiffness, joint.reference)
                          for joint in stable if joint.stiffness]
         # mass, inertia and decay of links
         self._links: List[Tuple[int, float, np.ndarray, bool, Tuple[float, float]]] = []
-        for link in model.links:
+        for link in body.model.links:
             index = indices[link.name]
             mass, _, moments = pybullet.getDynamicsInfo(body.body_id, index, **self._client)[:3]
             if mass and (link.has_gravity is False or any(link.decay)):

@@ -19,9 +19,10 @@ import numpy as np
 import pybullet
 
 from img_recog import rotations
-from img_recog.model import CONTINUOUS, FLOOR_FRICTION, REVOLUTE, Friction, Model
+from img_recog.model import CONTINUOUS, FLOOR_FRICTION, REVOLUTE, Friction
 from img_recog.simulation.physics.body import Body
 from img_recog.simulation.physics.client import body_ids, link_indices
+from img_recog.simulation.physics.framed_body import FramedBody
 from img_recog.simulation.physics.wheels import axis_of
 
 # of a contact: so much damping that nothing vibrates
@@ -44,14 +45,14 @@ def set_up(physics_client_id: int, step_s: float) -> None:
         physicsClientId=physics_client_id)
 
 
-def apply(body: Body, model: Model, slides: bool = False) -> None:
+def apply(body: FramedBody, slides: bool = False) -> None:
     """Give the links of a body the friction of its model, and its contacts their stiffness.
 
     slides: whether it has no friction, whatever the model says.
     """
     client = {'physicsClientId': body.physics_client_id}
-    given = {link.name: link.surface for link in model.links}
-    axles = {joint.child: axis_of(joint) for joint in model.joints
+    given = {link.name: link.surface for link in body.model.links}
+    axles = {joint.child: axis_of(joint) for joint in body.model.joints
              if joint.kind in (CONTINUOUS, REVOLUTE)}
     mass = body.mass() if body.joints and not body.fixed else 0.0
     for name, link in link_indices(body.body_id, body.physics_client_id).items():

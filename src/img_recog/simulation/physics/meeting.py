@@ -7,13 +7,13 @@ import pybullet
 from img_recog.model import ALL_BITS, Model
 from img_recog.simulation.physics.body import Body
 from img_recog.simulation.physics.client import link_indices
+from img_recog.simulation.physics.framed_body import FramedBody
 
 # Two links meet in PyBullet if a group of one is in the mask of the other. Of those without a
 # bitmask, all are, and so is the one that rays are in; those of a file are beyond its own.
 _RAYS, _SHIFT = 1, 8
 
 _Pair = Tuple[int, int, int, int]        # two bodies, and a link of each
-_Part = Tuple[Body, Model]              # a body and what it was made of
 
 
 def has_spaces(model: Model) -> bool:
@@ -28,14 +28,14 @@ class Meeting:
         self._client = {'physicsClientId': physics_client_id}
         self._apart: Set[_Pair] = set()
 
-    def add(self, bodies: Sequence[_Part]) -> None:
-        """Add the bodies of a model, each with the part of it that it was made of."""
-        for body, model in bodies:
-            self._set_masks(body, model)
-            if has_spaces(model):
-                self._keep_apart((body, model), (body, model))
+    def add(self, bodies: Sequence[FramedBody]) -> None:
+        """Add the bodies of a model."""
+        for body in bodies:
+            self._set_masks(body)
+            if has_spaces(body.model):
+                self._keep_apart(body, body)
         for one, other in itertools.combinations(bodies, 2):
-            if not (one[0].fixed and other[0].fixed):
+            if not (one.fixed and other.fixed):
                 self._keep_apart(one, other)
 
     def part(self, one: Body, link: int, other: Body, other_link: int) -> None:
@@ -51,9 +51,9 @@ class Meeting:
             pybullet.setCollisionFilterPair(*pair, 1, **self._client)
         self._apart -= gone
 
-    def _set_masks(self, body: Body, model: Model) -> None:
+    def _set_masks(self, body: FramedBody) -> None:
         indices = link_indices(body.body_id, body.physics_client_id)
-        for link in model.links:
+        for link in body.model.links:
             # all solids of a link have one mask in PyBullet
             for solid in link.solids[:1]:
                 if solid.bitmask != ALL_BITS:
@@ -62,20 +62,20 @@ class Meeting:
                         body.body_id, indices[link.name], groups, groups and groups | _RAYS,
                         **self._client)
 
-    def _keep_apart(self, one: _Part, other: _Part) -> None:
+    def _keep_apart(self, one: FramedBody, other: FramedBody) -> None:
         """Let links of two bodies of a model, or of one, only meet where Gazebo lets them."""
-        joined = {frozenset(pair) for model in (one[1], other[1]) for pair in _joined(model)}
+        joined = {frozenset(pair) for body in (one, other) for pair in _joined(body.model)}
         for (index, owner, space), (index2, owner2, space2) in itertools.product(
-                _solid_links(*one), _solid_links(*other)):
+                _solid_links(one), _solid_links(other)):
             if owner == owner2 or space == space2 or frozenset((owner, owner2)) in joined:
-                self.part(one[0], index, other[0], index2)
+                self.part(one, index, other, index2)
 
 
-def _solid_links(body: Body, model: Model) -> Iterator[Tuple[int, str, str]]:
+def _solid_links(body: FramedBody) -> Iterator[Tuple[int, str, str]]:
     """Yield the index of each link with solids, its owner and the space of that."""
-    indices, owners = link_indices(body.body_id, body.physics_client_id), _owners(model)
-    spaces = {link.name: link.space for link in model.links}
-    for link in model.links:
+    indices, owners = link_indices(body.body_id, body.physics_client_id), _owners(body.model)
+    spaces = {link.name: link.space for link in body.model.links}
+    for link in body.model.links:
         if link.solids:
             yield indices[link.name], owners[link.name], spaces[owners[link.name]]
 

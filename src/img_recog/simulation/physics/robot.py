@@ -112,7 +112,7 @@ class SimulatedRobot(FramedBody):
         return self.joints[name]
 
     def _set_dynamics(self, model: Model, slides: bool) -> None:
-        friction.apply(self, model, slides)
+        friction.apply(self, slides)
         # without friction, nothing would stop a wheel again that turned a little
         held = [self.joints[joint.name] for joint in model.joints
                 if slides and joint.kind == CONTINUOUS and joint.name in self.joints]

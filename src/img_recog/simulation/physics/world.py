@@ -1,5 +1,5 @@
 """The physics client, and everything in it except robots."""
-from typing import Any, Dict, Iterable, List, Optional, Sequence, Tuple
+from typing import Dict, Iterable, List, Optional, Sequence, Tuple
 
 import pybullet
 
@@ -59,7 +59,7 @@ class World:
         self.floor: Optional[FramedBody] = None
         if file.has_floor:
             (_, self.floor), = load_bodies([FLOOR], physics_client_id)
-            self._set_dynamics(self.floor, FLOOR.model)
+            self._set_dynamics(self.floor)
         try:
             self.add(file.trees, problems)
         except SimulationError as error:
@@ -86,7 +86,7 @@ class World:
                 body.start = body.start._replace(joints=[
                     tree.positions.get(joint, 0.0) for joint in body.joints])
                 body.reset()
-            self._set_dynamics(body, tree.model)
+            self._set_dynamics(body)
             if body.fixed and body.joints:
                 for plane in planes:
                     self._free_of(plane, body)
@@ -122,23 +122,23 @@ class World:
             self.warnings.append('{}: held in the floor by its joints; it does not meet the floor'
                                  .format(body.name))
 
-    def _adopt_trees(self, loaded: Sequence[Tuple[Tree, Body]]) -> List[str]:
-        models: List[List[Tuple[Body, Model]]] = []
+    def _adopt_trees(self, loaded: Sequence[Tuple[Tree, FramedBody]]) -> List[str]:
+        models: List[List[FramedBody]] = []
         for tree, body in loaded:
             if tree.first:
                 models.append([])
-            models[-1].append((body, tree.model))
+            models[-1].append(body)
         return [line for bodies in models for line in self.adopt(bodies)]
 
-    def adopt(self, bodies: Sequence[Tuple[Body, Model]]) -> List[str]:
-        """Let the bodies of a model act like in Gazebo, each with what it was made of.
+    def adopt(self, bodies: Sequence[FramedBody]) -> List[str]:
+        """Let the bodies of a model act like in Gazebo, until they are removed.
 
-        That is until they are removed. Returns warnings, a line each.
+        Returns warnings, a line each.
         """
         self._meeting.add(bodies)
         lines: List[str] = []
-        for body, model in bodies:
-            forces = Forces(body, model, self.step_s, self.file.gravity)
+        for body in bodies:
+            forces = Forces(body, self.step_s, self.file.gravity)
             lines += ['{}: {}'.format(body.name, line) for line in forces.warnings]
             if forces:
                 self._forces[body.body_id] = forces
@@ -166,10 +166,10 @@ class World:
         self.file = self.file._replace(trees=tuple(self.file.trees[number] for number in kept))
         self.notify_changed()
 
-    def _set_dynamics(self, body: Body, model: Model) -> None:
-        """Set how the links of a body move; model: that it was made of."""
-        friction.apply(body, model)
-        body.release(model.joints)
+    @staticmethod
+    def _set_dynamics(body: FramedBody) -> None:
+        friction.apply(body)
+        body.release(body.model.joints)
 
     def step(self, count: int = 1) -> None:
         """Advance the physics by a number of steps."""
@@ -178,15 +178,14 @@ class World:
             self._pairs.refresh()
         # local names: this is the innermost loop
         step, physics_client_id = pybullet.stepSimulation, self.physics_client_id
-        acting: List[Any] = list(self._forces.values())
+        acting = [forces.apply for forces in self._forces.values()]
         if self.pushes:
-            acting.append(self.pushes)
-        pairs = self._pairs
+            acting.append(self.pushes.apply)
+        if self._pairs.needs_updates:
+            acting.append(self._pairs.update)
         for _ in range(count):
-            for forces in acting:
-                forces.apply()
-            if pairs.needs_updates:
-                pairs.update()
+            for act in acting:
+                act()
             step(physicsClientId=physics_client_id)
 
     def reset(self) -> None:

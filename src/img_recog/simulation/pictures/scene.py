@@ -71,7 +71,7 @@ def _add_floor(physics_client_id: int) -> None:
 
 def scene_of(simulator: Simulator) -> Scene:
     """Return what there is to draw of a simulator now."""
-    return Scene([vehicle.model for vehicle in simulator.vehicles], simulator.world.file)
+    return Scene([vehicle.robot.model for vehicle in simulator.vehicles], simulator.world.file)
 
 
 def poses_of(simulator: Simulator) -> Sequence[Pose]:
