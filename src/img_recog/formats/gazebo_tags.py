@@ -7,8 +7,7 @@ friction. The rows of each kind of sensors are beside its class, as `Tags`.
 """
 import math
 import xml.etree.ElementTree as ElementTree
-from typing import (Any, Callable, Dict, Iterator, List, Mapping, NamedTuple, Optional, Sequence,
-                    Union)
+from typing import Any, Callable, Dict, Iterator, List, Mapping, NamedTuple, Optional, Sequence
 
 from img_recog.errors import SimulationError
 from img_recog.formats import camera_tags
@@ -18,7 +17,7 @@ from img_recog.model import Frame, Tag
 from img_recog.rotations import IDENTITY, transform
 from img_recog.settings import nearest_period
 
-Values = Dict[str, Union[str, float, int, bool]]
+Values = Dict[str, Any]
 
 
 class Reader(NamedTuple):
@@ -55,7 +54,8 @@ class Tags(NamedTuple):
     counts. sensors: the types of <sensor> that such a plugin can be in; needs_sensor: whether it
     must be in one. frame: the setting that is the link of the tag, unless a row has it; a robot
     can have several sensors of a kind that has one. defaults: settings that hold where a plugin
-    has none, by a part of its file name; bare: those of a sensor without a plugin. not_simulated:
+    has none, by a part of its file name; bare: those of a sensor without a plugin; their periods
+    become whole steps. not_simulated:
     returns what of a <sensor>, or of a plugin outside of one, is not simulated.
     """
 
@@ -110,13 +110,14 @@ def read(tags: Sequence[Tag], step_s: float, readers: Sequence[Tags],
     """
     found = Found({}, [], [])
     known: List[Tags] = []          # those that have read a part
+    of_readers: List[Values] = [{} for _ in readers]
     for part in _parts(tags, readers, with_bare):
         new = [reader for reader in part.readers if reader not in known]
         for reader in part.readers:
             if reader in new or reader.frame:
                 values = _values_in(part, reader, step_s)
                 if reader in new:
-                    found.values.update(values)
+                    of_readers[readers.index(reader)] = values
                 if reader.frame:
                     found.sensors.append(_sensor(reader, values, part))
                 owner = part.plugin if part.sensor is None else part.sensor
@@ -127,6 +128,8 @@ def read(tags: Sequence[Tag], step_s: float, readers: Sequence[Tags],
         if not part.readers:
             found.not_simulated.append(part.label)
         known += new
+    for values in of_readers:       # a drive comes first
+        found.values.update(values)
     return found
 
 
@@ -224,7 +227,8 @@ def _defaults_in(part: _Part, tags: Tags, step_s: float) -> Values:
     for word, defaults in tags.defaults.items():
         if part.plugin is not None and word in part.plugin.get('filename', ''):
             found.update(defaults)
-    return {name: step_s if value == EACH_STEP else value for name, value in found.items()}
+    return {name: max(1, round(value / step_s)) * step_s if name.endswith('_period_s') else value
+            for name, value in found.items()}
 
 
 def _in_namespace(topic: str, plugin: ElementTree.Element) -> str:
@@ -289,4 +293,4 @@ DEVIATION = Reader('finite numbers', _deviation)
 RATE = Reader('a finite number', lambda text: POSITIVE.read(text) or math.inf)
 # of rays, which take long: 0 leaves the default
 RAY_RATE = Reader(*POSITIVE)
-EACH_STEP = 'each step'     # the default of a period
+EACH_STEP = 0.0             # the default of a period

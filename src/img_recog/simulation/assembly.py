@@ -29,7 +29,7 @@ from img_recog.simulation.pictures.scene import Scene, scene_of
 from img_recog.simulation.sensors import robot_camera
 from img_recog.simulation.sensors.sensor import RobotSensor, SensorKind, sensors_of
 from img_recog.simulation.settings import (CameraSettings, DriveSettings, NoiseSettings,
-                                           PhysicsSettings, RobotSettings, SpawnSettings)
+                                           PhysicsSettings, RobotSettings, SpawnSettings, names_in)
 from img_recog.simulation.simulator import Simulator
 from img_recog.simulation.vehicle import Vehicle
 
@@ -97,7 +97,10 @@ def read_robot(urdf: Union[str, ElementTree.Element], step_s: float, find: FindF
             for name in unused)])
     except SimulationError as error:
         raise _refused(source, error.problem, error.advice)
-    of_tags = tuple(dict.fromkeys((*found.not_simulated, *of_cameras)))
+    moving = [joint.name for joint in model.joints]
+    stray = ['joint {} of a joint state publisher'.format(name) for name in names_in(
+        found.values.get('joint_states_joints', '')) if name not in moving]
+    of_tags = tuple(dict.fromkeys((*found.not_simulated, *of_cameras, *stray)))
     of_controllers = drive.problems if drive else drive_controllers.not_simulated(
         root, drive_controllers.of_robot(root, controllers))
     values = drive.settings(found.values) if drive else found.values

@@ -71,12 +71,11 @@ class Carrier:
         # a generator each: the noise of one sensor does not depend on whether another is read
         noise = np.random.RandomState((self.settings.noise.seed, kind.noise_number)
                                       + (sensor.number,) * bool(sensor.number))
-        noises: Any = sensor.values.get(kind.name + '_noises', ())
         self._sensors[sensor.name] = ScheduledSensor(
             sensor.name, kind.name,
             whole_steps(period, getattr(settings, period), self._world.step_s),
-            kind.make(Mount(self.robot, self._world, noise, drive, mount, link, noises),
-                      settings))
+            kind.make(Mount(self.robot, self._world, noise, drive, mount, link,
+                            sensor.values.get(kind.name + '_noises', ())), settings))
 
     def mount_camera(self, settings: CameraSettings, poses: Callable[[], np.ndarray]) -> str:
         """Add a camera, which is disabled; return the name of the sensor.

@@ -96,15 +96,16 @@ class DriveSettings(Settings):
         >>> DriveSettings(left_joint='front, rear').left_joints
         ('front', 'rear')
         """
-        return _names(self.left_joint) if self.drive == DIFFERENTIAL else ()
+        return names_in(self.left_joint) if self.drive == DIFFERENTIAL else ()
 
     @property
     def right_joints(self) -> Tuple[str, ...]:
         """The names of the joints of the right wheels, as for the left ones."""
-        return _names(self.right_joint) if self.drive == DIFFERENTIAL else ()
+        return names_in(self.right_joint) if self.drive == DIFFERENTIAL else ()
 
 
-def _names(text: str) -> Tuple[str, ...]:
+def names_in(text: str) -> Tuple[str, ...]:
+    """Return names that are given with commas between them."""
     return tuple(name.strip() for name in text.split(',') if name.strip())
 
 

@@ -270,11 +270,20 @@ def test_what_the_plugin_of_kobuki_measures_is_listed():
         'bumpers, cliff sensors and inertial unit of plugin libgazebo_ros_kobuki.so']
 
 
-def test_joint_state_publisher():
-    publisher = plugin('<jointName>a</jointName><updateRate>50</updateRate>',
-                       'gazebo_ros_joint_state_publisher')
-    assert overrides(robot(gazebo(publisher))) == {'joint_states_period_s': 0.02}
-    assert not_simulated(robot(gazebo(publisher))) == []
+@pytest.mark.parametrize('rate, period_s', [('<updateRate>50</updateRate>', 0.02), ('', 0.01)])
+def test_joint_state_publisher_counts_more_than_a_drive(rate, period_s):
+    publisher = gazebo(plugin('<jointName>b, a</jointName>' + rate,
+                              'gazebo_ros_joint_state_publisher'))
+    wanted = {'joint_states_period_s': period_s, 'joint_states_joints': 'b, a'}
+    assert overrides(robot(publisher)) == wanted
+    assert not_simulated(robot(publisher)) == []
+    for elements in ((publisher, drive()), (drive(), publisher)):
+        assert overrides(robot(*elements)) == {**DRIVE_SETTINGS, **wanted}
+
+
+def test_periods_of_defaults_are_whole_steps():
+    publisher = gazebo(plugin('', 'gazebo_ros_joint_state_publisher'))
+    assert overrides(robot(publisher), 0.004) == {'joint_states_period_s': 0.008}
 
 
 def test_imu_of_hector():

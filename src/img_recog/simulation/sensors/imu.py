@@ -1,6 +1,6 @@
 """An inertial measurement unit."""
 from dataclasses import dataclass
-from typing import Iterator, List, NamedTuple, Optional, Tuple
+from typing import Iterator, List, NamedTuple, Optional
 
 import numpy as np
 
@@ -113,13 +113,11 @@ class Imu(Sensor):
                  (vz - lz) / period_s - share * gz)
         (ax, ay, az), (fx, fy, fz) = into_frame(orientation, state.angular, force)
         e0, e1, e2, e3, e4, e5 = next(self._noise)
-        measured: Tuple[float, ...] = ax + e0, ay + e1, az + e2, fx + e3, fy + e4, fz + e5
-        if self._rounded:
-            values = list(measured)
-            for number, noise in self._rounded:
-                values[number] = float(noise.rounded(measured[number]))
-            measured = tuple(values)
-        return ImuReading(orientation, measured[:3], measured[3:])
+        values = [ax + e0, ay + e1, az + e2, fx + e3, fy + e4, fz + e5]
+        for number, noise in self._rounded:
+            values[number] = float(noise.rounded(values[number]))
+        ax, ay, az, fx, fy, fz = values
+        return ImuReading(orientation, (ax, ay, az), (fx, fy, fz))
 
 
 def _rows(noise: np.random.RandomState, means: np.ndarray,

@@ -204,6 +204,23 @@ def test_the_unit_of_the_official_burger_is_that_of_the_plugin(tmp_path, kept, f
     assert not any(message.linear_acceleration_covariance)
 
 
+def test_joint_states_are_those_that_the_plugin_names_without_efforts(tmp_path):
+    plugin = ('<gazebo><plugin name="j" filename="libgazebo_ros_joint_state_publisher.so">'
+              '<jointName>wheel_left_joint, nose_joint, wheel_right_joint</jointName></plugin>'
+              '</gazebo>')
+    sim = built(tmp_path, plugin)
+    sim.vehicles[0].command(0.2, 0.5)
+    states = readings(sim, 500)['joint_states']
+    message = robot_msgs.joint_states_to_msg(states, None, robot_msgs.stamp_of(0.5))
+    assert message.name == ['wheel_left_joint', 'wheel_right_joint'] and message.effort == []
+    # it turns left
+    assert 0 < message.position[0] < message.position[1]
+    assert 0 < message.velocity[0] < message.velocity[1]
+    # a joint that does not move has no state
+    urdf = robots.burger().replace('</robot>', LINK + plugin + '</robot>')
+    assert robots.read(urdf).not_simulated == ('joint nose_joint of a joint state publisher',)
+
+
 def test_a_plugin_on_a_link_that_is_missing_is_a_warning():
     urdf = robots.burger().replace('</robot>', (
         '<gazebo><plugin name="i" filename="libgazebo_ros_imu.so"><bodyName>torso</bodyName>'
