@@ -4,12 +4,13 @@ import math
 import pytest
 
 from img_recog.conversions.sensor_table import SENSORS
+from img_recog.formats import world_file
 from img_recog.formats.world_file import WorldFile
 from img_recog.simulation import assembly
 from img_recog.simulation.models import Models
 from img_recog.simulation.settings import PhysicsSettings
 from img_recog_testing.robots import simulator
-from img_recog_testing.sdf import BOX, convert, sdf
+from img_recog_testing.sdf import BOX, BUILT_IN, INERTIAL, convert, sdf
 
 WALL = ('<link name="wall"><pose>2 0 0 0 0 0</pose>'
         + BOX.format('collision', '', '0.2 9 9') + '</link>')
@@ -104,3 +105,29 @@ def test_the_state_of_models_whose_root_link_is_not_in_their_file(tmp_path, worl
     models = Models(simulator(str(path) if world == 'door' else world))
     for name in models.names:
         assert models.state(name).linear.tolist() == pytest.approx([0, 0, 0], abs=1e-3)
+
+
+def test_a_bumper_and_a_depth_camera_of_a_model_of_a_world(tmp_path):
+    (tmp_path / 'w.sdf').write_text(sdf(BUILT_IN, (
+        '<model name="m"><pose>0 0 0.1 0 0 0</pose><link name="l">' + INERTIAL
+        + BOX.format('collision', '', '0.2 0.2 0.2') + SENSOR.format(
+            'touch', 'contact', '<update_rate>50</update_rate><contact><collision>s</collision>'
+            '</contact>' + PLUGIN.format('gazebo_ros_bumper')) + SENSOR.format(
+                'eye', 'depth', '<camera><image><width>32</width></image></camera>'
+                + PLUGIN.format('gazebo_ros_openni_kinect')) + '</link>'
+        + PLUGIN.format('gazebo_ros_p3d') + '</model>')))
+    file = world_file.read(str(tmp_path / 'w.sdf'), {})
+    # also where gazebo_msgs is not installed
+    kinds = [kind._replace(missing='') for kind in SENSORS]
+    built = assembly.build(PhysicsSettings(), file, [], kinds=kinds)
+    touches = [each.value for each in built.simulator.advance(500)]
+    assert len(touches) == 25
+    touch, = touches[-1]
+    assert (touch.own, touch.other) == ('m::l', 'ground_plane::link')
+    assert touch.forces.sum(axis=0) == pytest.approx([0, 0, 2 * 9.8], abs=0.5)
+    camera, = built.sources[0].cameras
+    assert (camera.camera_width, camera.camera_x, camera.camera_depth_topic) == (
+        32, 0.1, 'depth/image_raw')
+    assert file.warnings == (
+        'world {}: not simulated: plugin libgazebo_ros_p3d.so of world default model m'.format(
+            tmp_path / 'w.sdf'),)
