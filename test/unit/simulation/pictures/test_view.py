@@ -9,9 +9,9 @@ from img_recog.rotations import transform
 from img_recog.simulation.physics.body import Pose
 from img_recog.simulation.physics.client import connect
 from img_recog.simulation.pictures import view, window
-from img_recog.simulation.pictures.scene import SceneCopy, poses_of
+from img_recog.simulation.pictures.scene import SceneCopy, poses_of, scene_of
 from img_recog.simulation.pictures.view import ABOVE, FIELD_OF_VIEW, follow
-from img_recog_testing import robots
+from img_recog_testing import robots, wheeled
 from img_recog_testing.sdf import BUILT_IN, SHELF, sdf
 
 LEFT = (0.0, 0.0, np.sqrt(0.5), np.sqrt(0.5))       # a quarter turn
@@ -185,6 +185,31 @@ def test_copy_has_the_bodies_at_their_poses_and_maybe_a_floor(floor):
         # one color for each link
         assert len({shape[1] for shape in shapes}) == len({(*shape[7], shape[1])
                                                           for shape in shapes})
+
+
+def test_joints_of_a_copy_are_those_of_a_skid_steered_robot_with_a_joint_more():
+    arm = wheeled.LINK.format(name='arm', mass=0.1, i=0.001, origin='', shape='<sphere radius="0.05"/>') + (
+        wheeled.JOINT.format(name='arm', type='continuous', x=0, y=0, z=0.5, roll=0))
+    robot = wheeled.robot(arm + wheeled.plugin('gazebo_ros_skid_steer_drive', **{
+        '{}{}Joint'.format(side, end): '{}_{}_joint'.format(side, row)
+        for side in ('left', 'right') for row, end in enumerate(('Front', 'Rear'))}),
+        rows=(0.2, -0.2))
+    # the arm before the wheels, too
+    for urdf in (robot, robot.replace(arm, '').replace('<link', arm + '<link', 1)):
+        sim = wheeled.assembled(urdf).simulator
+        sim.vehicles[0].command(0.5, 1.0)
+        sim.advance(500)
+        body = sim.vehicles[0].robot
+        pybullet.resetJointState(body.body_id, body.joints['arm_joint'], 0.7,
+                                 physicsClientId=body.physics_client_id)
+        copy = SceneCopy(scene_of(sim), connect(), False)
+        copy.place(poses_of(sim))
+        assert len(body.joints) == 5
+        for joint, (position, *_) in zip(body.joints, body.joint_values()):
+            shown = copy.bodies[0]
+            assert pybullet.getJointState(shown.body_id, shown.joints[joint],
+                                          physicsClientId=shown.physics_client_id)[0] == (
+                pytest.approx(position)), joint
 
 
 def test_copy_of_another_scene_replaces_all_but_the_floor():
