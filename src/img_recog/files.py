@@ -32,6 +32,17 @@ def plain(path: str, flags: int) -> int:
     return descriptor
 
 
+def no_file(path: Optional[str]) -> str:
+    """Return the words that what is at a path is no file, '' if nothing is there.
+
+    >>> no_file('/dev/null'), no_file('/'), no_file(None)
+    (' (a pipe or device, not a file)', ' (a folder, not a file)', '')
+    """
+    if path is None or not os.path.exists(path):
+        return ''
+    return ' (a {}, not a file)'.format('folder' if os.path.isdir(path) else 'pipe or device')
+
+
 def user_folders() -> Tuple[str, ...]:
     """Return the folders in which a relative path that a user typed is searched for.
 

@@ -7,7 +7,7 @@ from typing import NamedTuple, Tuple
 import numpy as np
 
 from img_recog.errors import SimulationError, one_line
-from img_recog.files import FindFile, plain
+from img_recog.files import FindFile, no_file, plain
 from img_recog.formats import generated_meshes
 from img_recog.formats.numbers import read_lengths, read_number, read_whole
 from img_recog.formats.texts import text_of
@@ -40,7 +40,7 @@ def shape(name: str, element: ElementTree.Element, find: FindFile) -> Tuple[Shap
     uri = text_of(element, 'uri')
     path = find(uri)
     if path is None or not os.path.isfile(path):
-        raise SimulationError('heightmap ' + uri)
+        raise SimulationError('heightmap ' + uri + no_file(path))
     size = read_lengths('<size> of ' + name, element.findtext('size', '1 1 1'), 3)
     if not (size[:2] > 0).all():
         raise SimulationError('<size> of {}: got {!r}, expected more than 0'.format(

@@ -6,7 +6,7 @@ from typing import Callable, Dict, Optional, Tuple
 import numpy as np
 
 from img_recog.errors import SimulationError
-from img_recog.files import FindFile
+from img_recog.files import FindFile, no_file
 from img_recog.formats import generated_meshes, heightmaps, inertias, materials
 from img_recog.formats.numbers import read_direction, read_lengths, read_number
 from img_recog.formats.sdf_frames import pose_of
@@ -150,7 +150,7 @@ def _mesh(name: str, element: ElementTree.Element, find: FindFile) -> _Geometry:
     uri = (element.findtext('uri') or element.findtext('filename') or '').strip()
     path = find(uri)
     if path is None or not os.path.isfile(path):
-        raise SimulationError('mesh ' + uri)
+        raise SimulationError('mesh ' + uri + no_file(path))
     if not path.lower().endswith(READABLE):
         raise SimulationError('mesh {} ({} are read)'.format(uri, ', '.join(READABLE)))
     scale = read_lengths('<scale> of ' + name, element.findtext('scale', '1 1 1'), 3)

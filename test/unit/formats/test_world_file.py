@@ -226,7 +226,11 @@ def test_all_that_is_missing_is_named(read):
      'https://a/b (a URL, which is not downloaded)',
      'download the models and include them by model://NAME, or '),
     (SHELF.replace('</link>', MESH.format('package://p/a.dae') + '</link>'),
-     'mesh package://p/a.dae', 'build the packages and source their setup.bash, or ')])
+     'mesh package://p/a.dae', 'build the packages and source their setup.bash, or '),
+    (SHELF.replace('</link>', MESH.format('/dev/null') + '</link>'),
+     'mesh /dev/null (a pipe or device, not a file)', ''),
+    (SHELF.replace('</link>', MESH.format('/dev') + '</link>'),
+     'mesh /dev (a folder, not a file)', '')])
 def test_advice_says_what_can_help(read, inside, name, advice):
     assert refusal(read, sdf(inside)).endswith(
         'not supported: {}; {}add allow_partial_world:=true to load the rest'.format(name, advice))

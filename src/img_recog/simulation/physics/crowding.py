@@ -3,7 +3,6 @@
 PyBullet's solver copies all points that it has for each one that is new: the time grows with their
 square.
 """
-import itertools
 import math
 from typing import Sequence
 
@@ -28,9 +27,16 @@ def check(bodies: Sequence[Body]) -> str:
     moving = [body for body in bodies if not body.fixed or body.joints]
     if not moving:
         return ''
+    near = []
+    for body in moving:
+        near.append(_count_near(body))
+        if sum(near) > _MAX_NEAR:
+            break
     time_s = math.inf
-    reason = 'more than {} pairs of bodies are in one place'.format(_MAX_NEAR // 2)
-    if all(near <= _MAX_NEAR for near in itertools.accumulate(map(_count_near, moving))):
+    crowded = [body for count, body in zip(near, moving) if count]
+    reason = 'more than {} pairs of bodies are in one place, the first are {}'.format(
+        _MAX_NEAR // 2, ', '.join(shortened(body.name) for body in crowded[:_SHOWN]))
+    if sum(near) <= _MAX_NEAR:
         client = {'physicsClientId': moving[0].physics_client_id}
         pybullet.performCollisionDetection(**client)
         points = [len(pybullet.getContactPoints(body.body_id, **client)) for body in moving]
