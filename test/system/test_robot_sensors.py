@@ -1,4 +1,7 @@
 """The topics of several sensors on one robot."""
+import itertools
+import math
+
 import pytest
 
 from img_recog_testing.sdf import BUILT_IN, sdf
@@ -40,6 +43,39 @@ def test_each_sensor_has_its_topic_and_those_of_a_kind_can_share_one(ros, simula
     assert '/scan' not in ros.run('rostopic', 'list', '-p').split()
     assert node.interrupt() == 0
     assert complaints(node) == []
+
+
+def test_sensors_of_very_many_rays(ros, simulate, tmp_path):
+    # a tetrahedron, whose rays PyBullet casts: a corner far behind, and a face 2 m ahead
+    (tmp_path / 'face.stl').write_text('solid s\n{}endsolid s\n'.format(''.join(
+        'facet normal 0 0 0\nouter loop\n{}endloop\nendfacet\n'.format(''.join(
+            'vertex {} {} {}\n'.format(*corner) for corner in corners))
+        for corners in itertools.combinations(((2, -9, -9), (2, 9, -9), (2, 0, 9), (9, 0, 0)), 3))
+    ))
+    world = tmp_path / 'face.sdf'
+    world.write_text(sdf(BUILT_IN, (
+        '<model name="face"><static>1</static><link name="l"><collision name="c"><geometry><mesh>'
+        '<uri>{}/face.stl</uri></mesh></geometry></collision></link></model>').format(tmp_path)))
+    scan = ('<samples>{}</samples><min_angle>-0.3</min_angle><max_angle>0.3</max_angle>'
+            '</horizontal><vertical><samples>{}</samples><min_angle>-0.02</min_angle>'
+            '<max_angle>0.02</max_angle></vertical>')
+    one = '<samples>1</samples></horizontal>'
+    node = simulate('_world:={}'.format(world), '_x_pos:=0', '_y_pos:=0', urdf=burger(''.join(
+        sensor(library, '<topicName>{}</topicName>'.format(topic)).replace(
+            one, scan.format(samples, rows)) for library, topic, samples, rows in (
+                ('gazebo_ros_laser', 'rows', 200, 100), ('gazebo_ros_laser', 'row', 16384, 1),
+                ('gazebo_ros_range', 'near', 100, 100)))))
+    node.wait_output('simulating')
+    # of the rows, the middle one; base_scan is 3 cm behind the origin
+    for topic, count in (('rows', 200), ('row', 16384)):
+        increment, = Echo(ros, '/{}/angle_increment'.format(topic)).wait_more(1)[0]
+        assert increment == pytest.approx(0.6 / (count - 1))
+        for index, angle in ((0, 0.3), (count // 2, 0.0), (count - 1, 0.3)):
+            value, = Echo(ros, '/{}/ranges[{}]'.format(topic, index)).wait_more(1)[0]
+            assert value == pytest.approx(2.032 / math.cos(angle), abs=5e-3)
+    assert Echo(ros, '/near/range').wait_more(1)[0][0] == pytest.approx(2.032, abs=5e-3)
+    assert node.interrupt() == 0
+    assert len(complaints(node)) == 1       # of the rows above and below the middle one
 
 
 def test_models_of_a_world_drive_and_measure_by_their_plugins(ros, simulate, tmp_path):

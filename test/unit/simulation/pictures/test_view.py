@@ -188,8 +188,9 @@ def test_copy_has_the_bodies_at_their_poses_and_maybe_a_floor(floor):
 
 
 def test_joints_of_a_copy_are_those_of_a_skid_steered_robot_with_a_joint_more():
-    arm = wheeled.LINK.format(name='arm', mass=0.1, i=0.001, origin='', shape='<sphere radius="0.05"/>') + (
-        wheeled.JOINT.format(name='arm', type='continuous', x=0, y=0, z=0.5, roll=0))
+    arm = wheeled.LINK.format(
+        name='arm', mass=0.1, i=0.001, origin='', shape='<sphere radius="0.05"/>'
+    ) + wheeled.JOINT.format(name='arm', type='continuous', x=0, y=0, z=0.5, roll=0)
     robot = wheeled.robot(arm + wheeled.plugin('gazebo_ros_skid_steer_drive', **{
         '{}{}Joint'.format(side, end): '{}_{}_joint'.format(side, row)
         for side in ('left', 'right') for row, end in enumerate(('Front', 'Rear'))}),
