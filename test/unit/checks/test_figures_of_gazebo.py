@@ -9,9 +9,9 @@ from img_recog_testing.robots import burger
 from img_recog_testing.sdf import BUILT_IN, sdf
 
 BOX = ('<model name="m"><pose>{pose}</pose><static>{static}</static><link name="l"><inertial>'
-       '<mass>{mass}</mass><inertia><ixx>{i}</ixx><iyy>{i}</iyy><izz>{i}</izz></inertia></inertial>'
-       '<collision name="c"><geometry><box><size>{size}</size></box></geometry>{surface}'
-       '</collision></link></model>')
+       '<mass>{mass}</mass><inertia><ixx>{i}</ixx><iyy>{i}</iyy><izz>{i}</izz></inertia>'
+       '</inertial><collision name="c"><geometry><box><size>{size}</size></box></geometry>'
+       '{surface}</collision></link></model>')
 ROBOT = 'turtlebot3_burger::base_footprint'
 MU = '<surface><friction><ode><mu>0.5</mu><mu2>0.5</mu2></ode></friction></surface>'
 
