@@ -15,7 +15,7 @@ from img_recog.batch.engine import Engine
 from img_recog.batch.options import Options
 from img_recog.batch.sweep_file import Run, Success
 from img_recog.batch.work import Piece
-from img_recog.signals import Interrupts
+from img_recog.processes.signals import Interrupts
 
 _COLORS = os.path.join(os.path.dirname(HERE), 'config', 'follow.yaml')
 _NEVER = Success(0.001)     # a loop ends when its time is up

@@ -8,8 +8,8 @@ import time
 from concurrent.futures import ThreadPoolExecutor
 from typing import Callable, Optional, Sequence
 
-from img_recog import process_tree
 from img_recog.errors import UserError, one_line, shortened
+from img_recog.processes import process_tree
 
 # what is worth keeping of the whole system: no view and no masks, which can be made again
 TOPICS = ('/clock', '/diagnostics', '/rosout_agg', '/tf', '/tf_static', 'cmd_vel',

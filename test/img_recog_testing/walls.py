@@ -3,10 +3,10 @@ import ast
 import pathlib
 
 PURE = ('camera', 'formats', 'recognition', 'rendering', 'simulation', 'teleoperation')
-GROUND_FLOOR = ('bag_recording', 'errors', 'files', 'helper_process', 'launch_output', 'lenses',
-                'markup', 'mesh_file', 'mesh_formats', 'messages', 'model', 'new_package',
-                'option_types', 'process_tree', 'resources', 'results', 'robot_file', 'rotations',
-                'settings', 'signals', 'still_images', 'textures', 'timed_xmlrpc')
+GROUND_FLOOR = ('bag_recording', 'errors', 'files', 'helper_process', 'lenses', 'markup',
+                'mesh_file', 'mesh_formats', 'messages', 'model', 'new_package', 'option_types',
+                'processes', 'resources', 'results', 'robot_file', 'rotations', 'settings',
+                'still_images', 'textures', 'timed_xmlrpc')
 # the rooms of simulation/, from the lowest to the highest: none imports one above it
 SIMULATION_ROOMS = ('settings', 'physics', 'sensors', 'carrier', 'vehicle', 'simulator',
                     'pictures', 'states', 'models', 'model_forces', 'figures', 'places', 'pacing',
@@ -31,10 +31,9 @@ ALLOWED = {
                 'rotations', 'settings', 'still_images', 'textures') + (
                     ('formats',) if folder == 'simulation' else ())
        for folder in PURE},
-    'bag_recording': ('errors', 'process_tree'), 'markup': ('errors',), 'new_package': ('errors',),
-    '__init__': (), 'errors': (), 'helper_process': (), 'launch_output': (), 'lenses': (),
-    'messages': (),
-    'option_types': (), 'process_tree': (), 'rotations': (), 'signals': (), 'timed_xmlrpc': (),
+    'bag_recording': ('errors', 'processes'), 'markup': ('errors',), 'new_package': ('errors',),
+    '__init__': (), 'errors': (), 'helper_process': (), 'lenses': (), 'messages': (),
+    'option_types': (), 'processes': (), 'rotations': (), 'timed_xmlrpc': (),
     'textures': ('errors', 'files'), 'model': ('rotations',),
     'mesh_file': ('errors', 'files', 'mesh_formats', 'model', 'textures'),
     'mesh_formats': ('files', 'model'),
@@ -48,7 +47,7 @@ ALLOWED = {
     'batch': PURE + GROUND_FLOOR + ('conversions', 'recordings', 'replay'),
     'checks': PURE + GROUND_FLOOR + ('conversions',),
     'doctor': ('errors', 'messages', 'ros', 'timed_xmlrpc'),
-    'graph': ('errors', 'files', 'option_types', 'signals', 'timed_xmlrpc'),
+    'graph': ('errors', 'files', 'option_types', 'processes', 'timed_xmlrpc'),
     'nodes': PURE + GROUND_FLOOR + ('conversions', 'graph', 'ros'),
     'testing': GROUND_FLOOR + ('conversions', 'recognition', 'replay', 'ros'),
 }

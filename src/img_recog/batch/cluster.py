@@ -20,7 +20,7 @@ from img_recog.batch import code_version
 from img_recog.batch.options import Options
 from img_recog.batch.work import Done, Function, Piece, run_piece
 from img_recog.errors import UserError, one_line
-from img_recog.signals import Interrupts
+from img_recog.processes.signals import Interrupts
 
 _WAIT_S = 10            # for the scheduler, and for its first worker
 _IN_FLIGHT = 1000       # pieces that the scheduler knows

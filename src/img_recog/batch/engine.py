@@ -14,7 +14,7 @@ from img_recog.batch.options import Options
 from img_recog.batch.work import Done, Function, Piece, run_piece
 from img_recog.batch.work_folder import WorkFolder
 from img_recog.errors import UserError
-from img_recog.signals import Interrupts
+from img_recog.processes.signals import Interrupts
 
 _log = logging.getLogger(__name__)
 

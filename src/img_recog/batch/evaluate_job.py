@@ -14,11 +14,11 @@ from img_recog.batch.evaluation import ColorSet, Evaluated, Measured, Truth
 from img_recog.batch.stages import Results, Stages, divide
 from img_recog.batch.work import Piece
 from img_recog.errors import UserError, counted, one_line, shortened, suggestion
+from img_recog.processes.signals import Interrupts
 from img_recog.recognition import parameter_file
 from img_recog.recordings import names
 from img_recog.recordings.frames import Remarks
 from img_recog.replay import cli, programs
-from img_recog.signals import Interrupts
 from img_recog.simulation.settings import SpawnSettings
 
 _TRUTH = 'recording', 'frame', 'color', 'in_view'

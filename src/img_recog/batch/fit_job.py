@@ -14,6 +14,7 @@ from img_recog.batch.fit_settings import BaseSettings
 from img_recog.batch.stages import Results, Stages, divide
 from img_recog.batch.work import Piece
 from img_recog.errors import UserError
+from img_recog.processes.signals import Interrupts
 from img_recog.recognition.fitting import bounds, sample_file, samples
 from img_recog.recognition.fitting.bounds import OBJECTIVES, PIXELS, Fit
 from img_recog.recognition.fitting.histograms import Counter, Histograms, is_by_times, of_color
@@ -22,7 +23,6 @@ from img_recog.recognition.fitting.samples import SampleError, Samples
 from img_recog.recordings import names
 from img_recog.recordings.frames import Remarks
 from img_recog.replay import programs
-from img_recog.signals import Interrupts
 
 _log = logging.getLogger('fit_colors.py')
 

@@ -18,8 +18,8 @@ from img_recog.batch.sweep_report import Ended
 from img_recog.batch.work import Done, Piece, run_piece
 from img_recog.errors import UserError, counted, suggestion
 from img_recog.option_types import allowed
+from img_recog.processes.signals import Interrupts
 from img_recog.replay import programs
-from img_recog.signals import Interrupts
 
 _LONG_S = 24 * 3600.0
 _FILE_ROLES = 'world', 'urdf', 'colors'

@@ -14,7 +14,7 @@ from img_recog.graph import dot
 from img_recog.graph.reader import SystemReader
 from img_recog.graph.system import visible
 from img_recog.option_types import allowed
-from img_recog.signals import Interrupts
+from img_recog.processes.signals import Interrupts
 
 _SECONDS = 2.0          # in which rates are measured
 

@@ -17,13 +17,13 @@ from img_recog.conversions import plane_msgs
 from img_recog.conversions.plane_msgs import MAX_NUMBER, PoseError
 from img_recog.errors import UserError, counted
 from img_recog.option_types import allowed
+from img_recog.processes.signals import Interrupts
 from img_recog.recordings.bags import BagFrames, check_bag
 from img_recog.recordings.frames import SECOND_NS, WANTED
 from img_recog.replay import programs
 from img_recog.replay.bag_messages import Messages
 from img_recog.replay.film import Film
 from img_recog.replay.film_picture import FilmPicture
-from img_recog.signals import Interrupts
 
 _BAG_ADVICE = 'give a bag with images, as of ./run demo record:=FILE'
 _KINDS = {'odom': Odometry, 'scan': LaserScan, 'cmd_vel': Twist, 'outlines': MarkerArray}

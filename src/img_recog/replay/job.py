@@ -11,6 +11,7 @@ from tqdm import tqdm
 
 from img_recog import files, results
 from img_recog.errors import UserError, counted
+from img_recog.processes.signals import Interrupts
 from img_recog.recognition.settings import RecognitionSettings
 from img_recog.recordings import names
 from img_recog.recordings.films import FilmFrames
@@ -20,7 +21,6 @@ from img_recog.replay.chain import ColorRecognition, Recognition, Recorder
 from img_recog.replay.loop import Loop
 from img_recog.replay.painter import Painter
 from img_recog.replay.recorders import BagRecorder, PlotRecorder, TableRecorder
-from img_recog.signals import Interrupts
 from img_recog.simulation.assembly import Assembly
 from img_recog.simulation.physics.body import Motion
 from img_recog.simulation.physics.footprints import footprints

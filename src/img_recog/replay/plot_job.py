@@ -14,6 +14,7 @@ from img_recog import files, timed_xmlrpc
 from img_recog.bag_recording import BagRecording
 from img_recog.errors import UserError, counted, one_line, shortened
 from img_recog.option_types import allowed
+from img_recog.processes.signals import Interrupts
 from img_recog.recognition import parameter_file
 from img_recog.recognition.settings import RecognitionSettings
 from img_recog.recordings.bag_file import DAMAGE_ERRORS, damaged, open_bag
@@ -22,7 +23,6 @@ from img_recog.replay import programs
 from img_recog.replay.drive import Drive, odometry_of, topics_beside
 from img_recog.replay.figure import ReplayFigure
 from img_recog.replay.plot_data import PlotData
-from img_recog.signals import Interrupts
 from img_recog.timed_xmlrpc import Master
 
 _SECONDS, _MAX_SECONDS = 20.0, 86400.0

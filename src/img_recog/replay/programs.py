@@ -6,9 +6,9 @@ import sys
 from typing import Callable, List, Optional, Sequence
 
 from img_recog.errors import UserError, named_in_crashes, one_line
+from img_recog.processes.signals import Interrupts
 from img_recog.recognition import parameter_file
 from img_recog.recognition.settings import RecognitionSettings, with_colors
-from img_recog.signals import Interrupts
 
 
 class _Lines(logging.Formatter):

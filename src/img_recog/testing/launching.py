@@ -17,9 +17,9 @@ import roslaunch.rlutil
 import rospkg
 from roslaunch.substitution_args import SubstitutionException, resolve_args
 
-from img_recog import process_tree
 from img_recog.errors import UserError, one_line
-from img_recog.launch_output import Death, LaunchOutput, plain
+from img_recog.processes import process_tree
+from img_recog.processes.launch_output import Death, LaunchOutput, plain
 from img_recog.testing.tracebacks import of_reasons
 
 __tracebackhide__, __unittest = of_reasons, True

@@ -14,7 +14,7 @@ import subprocess
 import sys
 import time
 
-from img_recog import process_tree
+from img_recog.processes import process_tree
 
 # seconds after the end of the input, and the signal that is sent to all then; roslaunch has the
 # time before to end its nodes itself

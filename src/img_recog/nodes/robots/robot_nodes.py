@@ -6,8 +6,8 @@ import subprocess
 import time
 from typing import Any, List, Mapping, Optional
 
-from img_recog import process_tree
 from img_recog.nodes.robots.robot_list import RobotRow
+from img_recog.processes import process_tree
 
 _LONG_LIFE_S = 10.0         # of a roslaunch that is started again if it ends
 _LOG_FORMAT = '[${severity}] [${time}] ${node}: ${message}'     # the node names the robot

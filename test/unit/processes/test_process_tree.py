@@ -7,7 +7,7 @@ import subprocess
 
 import pytest
 
-from img_recog import process_tree
+from img_recog.processes import process_tree
 from img_recog_testing.waiting import DEADLINE_S
 
 

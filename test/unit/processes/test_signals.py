@@ -6,7 +6,7 @@ import sys
 
 import pytest
 
-from img_recog.signals import Interrupts
+from img_recog.processes.signals import Interrupts
 
 pytestmark = pytest.mark.usefixtures('handlers_as_before')
 SIGNALS = signal.SIGINT, signal.SIGTERM, signal.SIGHUP
@@ -64,7 +64,7 @@ def test_in_the_last_calls_of_python_a_signal_ends_the_program():
     for signum in SIGNALS:
         done = subprocess.run([sys.executable, '-c', (
             'import atexit, os, signal\n'
-            'from img_recog.signals import Interrupts\n'
+            'from img_recog.processes.signals import Interrupts\n'
             'signal.signal(signal.SIGHUP, signal.SIG_DFL)\n'
             'atexit.register(lambda: os.kill(os.getpid(), {}))\n'
             'Interrupts()'.format(int(signum)))], stderr=subprocess.PIPE, check=False)

@@ -1,0 +1,1 @@
+"""The processes that a program starts, and its own signals; without ROS."""
