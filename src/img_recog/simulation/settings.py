@@ -223,6 +223,7 @@ class ViewSettings(Settings):
 
     gui: whether to show the simulation in a window. view: the camera of ~view/image_raw;
     view_rate: maximum images per second of wall time; view_width, view_height: pixels.
+    skip_images: of cameras, those for which time would wait; in lockstep, none.
     """
 
     gui: bool = setting(False)
@@ -230,6 +231,7 @@ class ViewSettings(Settings):
     view_rate: float = setting(10.0, between(0.1, 60))
     view_width: int = setting(640, between(16, 4096))
     view_height: int = setting(480, between(16, 4096))
+    skip_images: bool = setting(False)
 
 
 @dataclass(frozen=True)

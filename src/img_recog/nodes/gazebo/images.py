@@ -54,7 +54,7 @@ class Images:
         of cameras were published.
         """
         self._simulator, self._statics, self._lockstep = simulator, statics, lockstep
-        self._wake = wake
+        self._wake, self._skips = wake, view.skip_images and lockstep is None
         self._revision = simulator.world.revision
         self._parts = Parts(simulator)
         self._view = ViewTopic(view, above(simulator.world))
@@ -177,7 +177,8 @@ class Images:
         return not (self._process.is_ready or self._process.is_loading)
 
     def draw(self, readings: Sequence[Reading], publish_others: Callable[[], None]) -> None:
-        """Draw what cameras among the sensors have read; waits for earlier images of them.
+        """Draw what cameras among the sensors have read; waits for earlier images of them, or
+        with skip_images, draws nothing meanwhile.
 
         publish_others: publishes the other readings, which are published before the images.
         """
@@ -197,6 +198,8 @@ class Images:
 
     def _expose(self, readings: Sequence[Reading]) -> None:
         """Draw what cameras have read at one time."""
+        if self._skips and self._process.is_busy:
+            return
         topics = [self._cameras[each.robot, each.sensor][1] for each in readings]
         shots = [camera.shot(each.value) for camera, each in zip(topics, readings)]
         self._newest = _Exposed(topics, shots, readings[0].value.poses, readings[0].time_s)

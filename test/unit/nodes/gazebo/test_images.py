@@ -105,6 +105,20 @@ def test_a_camera_is_used_while_it_has_a_subscriber_and_can_be_drawn(rig, publis
     assert rig.process.requests == []
 
 
+@pytest.mark.parametrize('settings, lockstep, count', [
+    ({}, None, 2), ({'skip_images': True}, None, 0), ({'skip_images': True}, mock.Mock(), 2)])
+def test_images_are_skipped_only_if_asked_and_while_others_are_drawn(publishers, settings,
+                                                                     lockstep, count):
+    rig = Rig(publishers, lockstep, **settings)
+    publishers['eye/image'].subscribers = 1
+    rig.process.is_ready = rig.process.is_busy = True
+    rig.step()
+    assert len(rig.process.widths()) == count
+    rig.process.is_busy = False
+    rig.step()
+    assert len(rig.process.widths()) == 2
+
+
 def test_images_of_one_time_are_one_request(rig, publishers):
     publishers['eye/image'].subscribers = publishers['back/image'].subscribers = 1
     rig.process.is_ready = True
