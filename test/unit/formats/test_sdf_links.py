@@ -63,7 +63,7 @@ def test_a_part_of_a_mesh(tmp_path, inside, submesh):
     ('<heightmap><uri>a.png</uri></heightmap>', 'heightmap a.png'),
     ('<image><uri>a.png</uri></image>', '<image> of collision s'),
     ('<mesh><uri>model://m/none.dae</uri></mesh>', 'mesh model://m/none.dae'),
-    ('<mesh><uri>model://m/folder</uri></mesh>', 'mesh model://m/folder'),
+    ('<mesh><uri>model://m/folder</uri></mesh>', 'mesh model://m/folder (a folder, not a file)'),
     ('<mesh><uri>model://m/a.ply</uri></mesh>',
      'mesh model://m/a.ply (.dae, .obj, .stl are read)')])
 def test_what_cannot_be_had_is_named(tmp_path, geometry, words):
