@@ -1,15 +1,17 @@
 """Conversion of depths to sensor_msgs/Image, and to and from sensor_msgs/PointCloud2."""
 import sys
-from typing import Tuple
+from typing import Optional, Tuple
 
+import cv2
 import numpy as np
 from sensor_msgs.msg import PointCloud2, PointField
 from std_msgs.msg import Header
 
 MILLIMETERS = '16UC1'       # REP 118; the other encoding is 32FC1, in m
 # as of libgazebo_ros_depth_camera: 4 bytes after z and 12 after the color are not used
+POINT_BYTES = 32
 _POINT = np.dtype({'names': ['xyz', 'bgr'], 'formats': ['3f4', '3u1'], 'offsets': [0, 16],
-                   'itemsize': 32})
+                   'itemsize': POINT_BYTES})
 _FIELDS = tuple(PointField(name, offset, PointField.FLOAT32, 1)
                 for name, offset in (('x', 0), ('y', 4), ('z', 8), ('rgb', 16)))
 
@@ -37,22 +39,34 @@ def to_bytes(depths: np.ndarray, encoding: str) -> np.ndarray:
     return depths.view(np.uint8).reshape(*depths.shape, -1)
 
 
-def to_msg(depths: np.ndarray, image: np.ndarray, rays: np.ndarray,
-           header: Header) -> PointCloud2:
-    """Return the point of each pixel with its color; NaN is nothing.
+def cloud_without_points(depths: np.ndarray, header: Header) -> PointCloud2:
+    """Return a message for a point with a color for each pixel, without data.
 
-    depths: float32 (height, width), m along the optical axis, NaN for nothing; image: uint8 RGB;
-    rays (height, width, 3): along which pixels look, x to the right and z forward, as
-    rendering.rays has them.
+    depths: float32 (height, width), NaN for nothing.
     """
-    points = np.zeros(depths.shape, _POINT)
-    points['xyz'] = (depths / rays[..., 2])[..., np.newaxis] * rays
-    points['bgr'] = image[..., ::-1]
     height, width = depths.shape
     return PointCloud2(header=header, height=height, width=width, fields=list(_FIELDS),
-                       is_bigendian=sys.byteorder == 'big', point_step=_POINT.itemsize,
-                       row_step=_POINT.itemsize * width, data=points.tobytes(),
-                       is_dense=not np.isnan(depths).any())
+                       is_bigendian=sys.byteorder == 'big', point_step=POINT_BYTES,
+                       row_step=POINT_BYTES * width, is_dense=not np.isnan(depths).any())
+
+
+def draw_points(result: np.ndarray, is_drawn: Optional[bool], depths: np.ndarray,
+                image: np.ndarray, slopes: Tuple[np.ndarray, np.ndarray]) -> bool:
+    """Write the data of such a message; NaN is nothing. Returns True.
+
+    result: uint8 (height, width, POINT_BYTES); is_drawn: whether it was written here before.
+    depths: float32 (height, width), m along the optical axis, NaN for nothing; image: uint8 RGB;
+    slopes: x to the right and y downward of what each pixel sees, at z 1, float32 (height, width).
+    """
+    if not is_drawn:
+        result[:] = 0
+    x, y = (cv2.multiply(depths, slope) for slope in slopes)
+    color = cv2.cvtColor(image, cv2.COLOR_RGB2BGRA)
+    color[..., 3] = 0
+    # one pass over all points: they are much more memory than what they are made of
+    cv2.mixChannels([x, y, depths, color.view(np.float32)],
+                    [result.view(np.float32)], [0, 0, 1, 1, 2, 2, 3, 4])
+    return True
 
 
 def from_msg(msg: PointCloud2) -> Tuple[np.ndarray, np.ndarray]:

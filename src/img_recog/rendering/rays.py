@@ -49,6 +49,14 @@ def directions(camera: Camera) -> np.ndarray:
     return found
 
 
+@functools.lru_cache(maxsize=32)
+def slopes(camera: Camera) -> Tuple[np.ndarray, np.ndarray]:
+    """Return x and y of these directions at z 1, float32 (height, width). Do not change them."""
+    found = directions(camera)
+    x, y = ((found[..., axis] / found[..., 2]).astype(np.float32) for axis in (0, 1))
+    return x, y
+
+
 def _undistorted(found: np.ndarray, lens: Distortion, focal_px: float) -> np.ndarray:
     """Return the directions (height, width, 3), with z 1, that a distortion moves to `found`."""
     given = found[..., :2].reshape(-1, 1, 2)

@@ -7,7 +7,7 @@ from img_recog.conversions import depth_msgs
 from img_recog.model import BOX, Shape
 from img_recog.rendering import lens_views
 from img_recog.rendering.camera import Camera
-from img_recog.rendering.rays import directions
+from img_recog.rendering.rays import slopes
 from img_recog_testing.drawn import GREEN, HERE, at, loaded, scene, visual
 
 
@@ -33,8 +33,18 @@ def cloud(limits):
     renderer = loaded(scene(visual(Shape(BOX, (0.2, 1.0, 9.0)), at(2.1, 0, 0), GREEN)), HERE)
     image, depth = (draw(renderer, camera, np.eye(4), HERE)
                     for draw in (lens_views.draw, lens_views.depth))
-    return depth_msgs.to_msg(depth_msgs.within(depth, limits), image, directions(camera),
-                             Header(frame_id='lens'))
+    return to_msg(depth_msgs.within(depth, limits), image, camera)
+
+
+def to_msg(depths, image, camera):
+    """Return the message of a cloud."""
+    msg = depth_msgs.cloud_without_points(depths, Header(frame_id='lens'))
+    data = np.full((*depths.shape, depth_msgs.POINT_BYTES), 7, np.uint8)
+    for is_drawn in (None, True):
+        assert depth_msgs.draw_points(data, is_drawn, depths, image, slopes(camera))
+        assert not data[..., 12:16].any() and not data[..., 19:].any()     # not used
+    msg.data = data.tobytes()
+    return msg
 
 
 def test_points_are_on_the_plane_of_a_wall():
@@ -61,6 +71,5 @@ def test_beyond_the_limits_there_are_no_points(limits):
 
 def test_a_cloud_without_gaps_is_dense():
     depths = np.full((2, 3), 1.5, np.float32)
-    msg = depth_msgs.to_msg(depths, np.zeros((2, 3, 3), np.uint8),
-                            directions(Camera(3, 2, 1.0)), Header())
+    msg = to_msg(depths, np.zeros((2, 3, 3), np.uint8), Camera(3, 2, 1.0))
     assert msg.is_dense

@@ -1,6 +1,7 @@
 """The topics of the cameras on a simulated robot."""
 import threading
 import zlib
+from functools import partial
 from typing import Any, Dict, Iterable, Optional, Set, Union
 
 import cv2
@@ -19,7 +20,7 @@ from img_recog.nodes.gazebo.names import topic_fields
 from img_recog.rendering import rays
 from img_recog.rendering.server import Picture, Shot
 from img_recog.ros.transport.direct_publisher import DirectPublisher
-from img_recog.ros.transport.image_publisher import ImagePublisher
+from img_recog.ros.transport.image_publisher import ImagePublisher, LargePublisher
 from img_recog.ros.transport.redelivery import Redelivery
 from img_recog.settings import SettingError
 from img_recog.simulation.sensors.robot_camera import Exposure, optical_frame
@@ -79,7 +80,7 @@ class CameraTopics:
             self._infos.append(_publisher(settings.camera_depth_info_topic, CameraInfo,
                                           _INFO_QUEUE_SIZE, redelivery))
         if settings.camera_points_topic:
-            self._points = _publisher(settings.camera_points_topic, PointCloud2, 1, redelivery)
+            self._points = LargePublisher(settings.camera_points_topic, PointCloud2, redelivery)
         if self._calibration is None:
             rospy.logwarn('the camera info on %s has no calibration: no distortion model can say '
                           'what its lens does', settings.camera_info_topic)
@@ -130,8 +131,11 @@ class CameraTopics:
             encoding = settings.camera_depth_encoding
             self._depths.publish(depth_msgs.to_bytes(depth, encoding), encoding, header)
         if self._points is not None and self._is_used(self._points):
-            self._points.publish(depth_msgs.to_msg(
-                depth, image, rays.directions(self.camera), header))
+            self._points.publish_data(
+                partial(depth_msgs.draw_points, depths=depth, image=image,
+                        slopes=rays.slopes(self.camera)),
+                (*depth.shape, depth_msgs.POINT_BYTES),
+                depth_msgs.cloud_without_points(depth, header))
 
     def info(self, header: Header) -> CameraInfo:
         """Return the intrinsic parameters; all are zero if no model can say what the lens does."""

@@ -1,4 +1,5 @@
 """Publishers that need no master."""
+import numpy as np
 import pytest
 
 from img_recog.nodes.gazebo import camera_topics, view
@@ -18,6 +19,13 @@ class FakePublisher:
 
     def publish(self, *values):
         self.sent.append(values)
+
+    def publish_data(self, draw, shape, msg):
+        if self.subscribers:
+            data = np.zeros(shape, np.uint8)
+            draw(data, None)
+            msg.data = data.tobytes()
+            self.publish(msg)
 
     def unregister(self):
         self.is_ended = True
@@ -43,6 +51,7 @@ def publishers(monkeypatch):
     for module in (camera_topics, view):
         monkeypatch.setattr(module, 'ImagePublisher', FakePublisher)
     monkeypatch.setattr(camera_topics, 'CompressedImages', FakeCompressed)
-    monkeypatch.setattr(camera_topics, 'DirectPublisher', FakePublisher)
+    for name in ('DirectPublisher', 'LargePublisher'):
+        monkeypatch.setattr(camera_topics, name, FakePublisher)
     monkeypatch.setattr(camera_topics.rospy, 'Publisher', FakePublisher)
     return FakePublisher.made

@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 import rospy
 from rospy.msg import serialize_message
-from sensor_msgs.msg import Image
+from sensor_msgs.msg import Image, PointCloud2, PointField
 from std_msgs.msg import Header
 
-from img_recog.ros.transport.image_publisher import ImagePublisher
+from img_recog.ros.transport.image_publisher import ImagePublisher, LargePublisher
 from img_recog.ros.transport.outbox import PacketPool
 from img_recog_testing.extraction import random_image
 from img_recog_testing.waiting import wait_for
@@ -61,6 +61,20 @@ def test_a_drawn_image_is_sent(way, name, publisher, subscribe):
     publisher.publish_drawn(lambda result, _: np.copyto(result, image), image.shape, 'bgr8',
                             header())
     assert subscriber.receive() == wire(image, 1)
+
+
+def test_a_cloud_of_points(way, name, subscribe):
+    publisher, data = LargePublisher(name, PointCloud2), random_image(3, (4, 6, 32))
+    msg = PointCloud2(header(), 4, 6, [PointField('x', 0, PointField.FLOAT32, 1)], False, 32, 192,
+                      b'', True)
+    subscriber = subscribe(name, PointCloud2)
+    for seq in (1, 2):
+        publisher.publish_data(lambda result, _: np.copyto(result, data), data.shape, msg)
+        wanted = io.BytesIO()
+        msg.data = data.tobytes()
+        serialize_message(wanted, seq, msg)
+        msg.data = b''
+        assert subscriber.receive() == wanted.getvalue()
 
 
 def test_an_image_whose_rows_are_not_contiguous(way, name, publisher, subscribe):
