@@ -81,8 +81,6 @@ def _of_page(token: bytes, cookie: bytes) -> Dict[str, Pieces]:
         'endless frame': _then(with_token + b'\x82\xff\x7f' + b'\xff' * 7 + bytes(4), _BLOCK),
         'fragments': _then(with_token + b'\x02\xfe\x10\x00' + bytes(4 + 4096),
                            b'\x00\xfe\x10\x00' + bytes(4 + 4096)),
-        'pings': _then(with_token, (b'\x89\x80' + bytes(4)) * 1000),
-        'messages': _then(with_token, b'\x81\x82' + bytes(4) + b'42'),
         'pages': _then(whole, whole, slow=True)}
 
 

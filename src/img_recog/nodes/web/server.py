@@ -9,12 +9,12 @@ from typing import Any, Callable, Optional
 import uvicorn
 
 from img_recog.errors import UserError, one_line
-from img_recog.nodes.web.authentication import MAX_BODY_BYTES
-from img_recog.nodes.web.http_protocol import LimitedHttp, LimitedWebSocket
 
 _PORTS = 11             # tried, from the first one on
 _MAX_PORT = 65535
 _END_TIMEOUT_S = 2.0
+_MAX_CONNECTIONS = 500  # also those that a browser keeps open
+_MAX_BYTES = 1 << 16    # of the header of a request, and of a message on a WebSocket
 _HEADERS = [('x-frame-options', 'DENY'), ('x-content-type-options', 'nosniff'),
             ('referrer-policy', 'no-referrer')]
 # they log a traceback for each message of a browser that makes no sense
@@ -66,9 +66,10 @@ class Server:
         """Start to serve; failed: is called with an error that ends the server."""
         # JPEG images do not get smaller
         self._server = uvicorn.Server(uvicorn.Config(
-            app, http=LimitedHttp, ws=LimitedWebSocket, log_level='error', access_log=False,
-            lifespan='on', server_header=False, headers=_HEADERS, ws_max_size=MAX_BODY_BYTES,
-            ws_per_message_deflate=False, timeout_keep_alive=30, timeout_graceful_shutdown=1))
+            app, http='h11', limit_concurrency=_MAX_CONNECTIONS, log_level='error',
+            access_log=False, h11_max_incomplete_event_size=_MAX_BYTES, ws_max_size=_MAX_BYTES,
+            lifespan='on', server_header=False, headers=_HEADERS, ws_per_message_deflate=False,
+            timeout_keep_alive=30, timeout_graceful_shutdown=1))
         self._sock, self._failed = sock, failed
         self._thread = threading.Thread(target=self._run, daemon=True)
         self._thread.start()

@@ -3,8 +3,7 @@ import asyncio
 
 import pytest
 
-from img_recog.nodes.web import authentication
-from img_recog.nodes.web.authentication import MAX_BODY_BYTES, Authentication
+from img_recog.nodes.web.authentication import Authentication
 
 TOKEN, PORT = 'a-secret', 8080
 COOKIE = 'img_recog_8080=' + TOKEN
@@ -64,14 +63,6 @@ def test_cookies_of_other_programs_keep_nobody_out(others):
     for cookie in (others + '; ' + COOKIE, COOKIE + ';' + others):
         assert visit(cookie=cookie)[0].visits == 1
     assert visit(cookie=others)[0].visits == 0
-
-
-def test_socket_io_is_served_by_web_sockets_only():
-    """Messages of requests would not be limited."""
-    app, sent, _ = visit('/_nicegui_ws/socket.io/', cookie=COOKIE, method='POST', origin=OWN)
-    assert status(sent) == 400 and app.visits == 0
-    app, _, _ = visit('/_nicegui_ws/socket.io/', kind='websocket', cookie=COOKIE, origin=OWN)
-    assert app.visits == 1
 
 
 def test_the_cookie_opens():
@@ -137,42 +128,6 @@ def test_web_sockets_need_cookie_and_origin(visitor, is_open):
 def test_other_kinds_of_connections_pass():
     app, _, _ = visit(kind='lifespan')
     assert app.visits == 1
-
-
-@pytest.mark.parametrize('length, code', [
-    (str(MAX_BODY_BYTES), 200), (str(MAX_BODY_BYTES + 1), 413), ('-1', 413), ('many', 413)])
-def test_large_requests_are_refused(length, code):
-    assert status(visit(cookie=COOKIE, method='POST', content_length=length)[1]) == code
-
-
-def test_a_request_that_is_larger_than_it_says_ends():
-    parts = [{'type': 'http.request', 'body': bytes(MAX_BODY_BYTES // 2), 'more_body': True}] * 3
-    app, sent, _ = visit(cookie=COOKIE, method='POST', messages=parts)
-    assert app.received[-1] == {'type': 'http.disconnect'} and sent == []
-
-
-def test_thousands_of_messages_end_a_web_socket(monkeypatch):
-    monkeypatch.setattr(authentication, '_MESSAGES_BURST', 2.0)
-    monkeypatch.setattr(authentication, '_MESSAGES_HZ', 0.0)
-    messages = [{'type': 'websocket.connect'}] + [
-        {'type': 'websocket.receive', 'text': text} for text in 'abcd']
-    app, _, _ = visit('/live', kind='websocket', cookie=COOKIE, origin=OWN, messages=messages)
-    assert [message.get('text') for message in app.received] == [None, 'a', 'b', None]
-    assert app.received[-1]['code'] == 1008
-
-
-def test_too_many_connections(monkeypatch):
-    monkeypatch.setattr(authentication, 'MAX_CONNECTIONS', 1)
-    codes = []
-
-    async def visited_meanwhile(scope, receive, send):
-        async def send_code(message):
-            codes.append(message.get('status'))
-        await guard(scope, receive, send_code)
-    guard = Authentication(visited_meanwhile, TOKEN, PORT, lambda _: None)
-    for _ in range(2):          # the first one has ended
-        visit(cookie=COOKIE, guard=guard)
-    assert codes == [503, None, 503, None]
 
 
 @pytest.mark.parametrize('messages, is_reported', [(None, True), ([], False)])

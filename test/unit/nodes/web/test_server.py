@@ -1,6 +1,7 @@
 """The address of the page, and the server."""
 import logging
 import socket
+import urllib.error
 import urllib.request
 
 import pytest
@@ -8,6 +9,7 @@ import pytest
 from img_recog.errors import UserError
 from img_recog.nodes.web import server
 from img_recog.nodes.web.server import Server, address, listen
+from img_recog_testing import connecting
 from img_recog_testing.waiting import DEADLINE_S, wait_for
 
 
@@ -83,8 +85,66 @@ async def hello(scope, receive, send):
             await send({'type': message['type'] + '.complete'})
             if message['type'] == 'lifespan.shutdown':
                 return
+    if scope['type'] == 'websocket':
+        await send({'type': 'websocket.accept'})
+        while (await receive())['type'] != 'websocket.disconnect':
+            pass
+        return
     await send({'type': 'http.response.start', 'status': 200, 'headers': []})
     await send({'type': 'http.response.body', 'body': b'hello'})
+
+
+@pytest.fixture
+def serve():
+    """A function that starts a server; returns its address."""
+    servers, failures = [], []
+
+    def serve():
+        sock = listen('127.0.0.1', free_port())
+        servers.append(Server(hello, sock, failures.append))
+        return sock.getsockname()
+    yield serve
+    for each in servers:
+        each.close()
+    assert failures == []
+
+
+@pytest.mark.parametrize('begin, piece', [
+    (b'GET / HTTP/1.1\r\na: ', 65536 * b'b'),
+    (b'GET / HTTP/1.1\r\n', 4096 * b'a: bcdefghijkl\r\n'), (b'GET /', 65536 * b'b'),
+    (b'GET / HTTP/1.1\r\nHost: x\r\nUpgrade: websocket\r\nConnection: Upgrade\r\n'
+     b'Sec-WebSocket-Version: 13\r\nSec-WebSocket-Key: AAAAAAAAAAAAAAAAAAAAAA==\r\n\r\n',
+     b'\x81\xff' + bytes([0, 0, 0, 0, 0, 2, 0, 0]) + bytes(4) + 131072 * b'a')],
+    ids=['value', 'headers', 'path', 'message'])
+def test_what_is_endless_is_ended_and_others_are_served(serve, begin, piece):
+    address_of = serve()
+    with connecting.connections(address_of) as connect:
+        with pytest.raises(ConnectionError):
+            sock = connect(begin)
+            for _ in range(1000):
+                sock.sendall(piece)
+        other = connect(b'GET / HTTP/1.1\r\nHost: x\r\nConnection: close\r\n\r\n')
+        with other.makefile('rb') as answer:
+            assert b'hello' in answer.read()
+
+
+def test_too_many_connections(serve, monkeypatch):
+    monkeypatch.setattr(server, '_MAX_CONNECTIONS', 3)
+    address_of = serve()
+    url = 'http://{}:{}/'.format(*address_of)
+    with connecting.connections(address_of) as connect:
+        socks = [connect() for _ in range(2)]
+        wait_for(lambda: status(url) == 503, lambda: 'the refusal of {}'.format(url))
+        for sock in socks:
+            sock.close()
+        wait_for(lambda: status(url) == 200, lambda: 'the answer of {}'.format(url))
+
+
+def status(url):
+    try:
+        return urllib.request.urlopen(url, timeout=DEADLINE_S).status
+    except urllib.error.HTTPError as error:
+        return error.code
 
 
 def test_a_server_answers_until_it_is_closed(monkeypatch):
