@@ -79,7 +79,7 @@ class Arguments:
                     name + (following if following != ':=' else ':=VALUE'))
             elif not assigned:
                 self._refuse(word)
-            elif not name.startswith('_'):
+            elif not name.startswith('__'):     # which is of roslaunch
                 word = '{}:={}'.format(name, self._value(name, value))
             result.append(word)
             position += 1

@@ -26,6 +26,7 @@ REFUSED = {
     ('synthetic',): 'got synthetic; write arguments like camera:=synthetic; ./run demo --help ',
     ('camra:=synthetic',): 'demo.launch has no argument camra; did you mean camera?\n',
     ('xyz:=1',): 'demo.launch has no argument xyz; ./run demo --help lists them\n',
+    ('_video_device:=0',): 'demo.launch has no argument _video_device; ./run demo --help lists ',
     ('camera:=/no/such.mp4',): 'camera: got /no/such.mp4, which does not exist; allowed are auto, '
                                'synthetic, robot, none, a URL, and the path of ',
     ('camera:=',): "camera: got '', which does not exist",
