@@ -2,6 +2,8 @@
 import os
 from typing import IO, Any, Dict, List, Mapping, NamedTuple, Sequence, Tuple
 
+import cv2
+
 from img_recog import files, results
 from img_recog.batch.fit_pieces import CHECK, FIT
 from img_recog.batch.fit_result import Choice, Statistics, Worst
@@ -9,8 +11,8 @@ from img_recog.batch.fit_settings import BaseSettings, as_yaml, settings_of
 from img_recog.batch.stages import Results
 from img_recog.batch.work import Piece
 from img_recog.errors import UserError, counted
-from img_recog.recognition import tuning_picture
-from img_recog.recognition.areas import bgr_copy
+from img_recog.recognition import excluded, overlay
+from img_recog.recognition.areas import ColorExtractor
 from img_recog.recognition.fitting import picture
 from img_recog.recognition.fitting.bounds import TIMES_ADVICE, Fit, described
 from img_recog.recognition.fitting.histograms import Histograms, is_by_times, of_color
@@ -163,12 +165,17 @@ class Report:
             source = piece.arguments[0]
             image = next(each for index, each in enumerate(reader.read(
                 piece.key, source.part, source.max_pixels).read()) if index == frame.row)
-            figure, _ = tuning_picture.draw(bgr_copy(image.image, image.encoding), settings)
+            extractor = ColorExtractor(settings)
+            areas_px = extractor.measure(image.image, image.encoding)
+            drawn = overlay.draw(extractor, settings.colors, areas_px, [])
             path = '{}_worst_{}.png'.format(self._prefix, number)
             with files.atomic_write([path]) as (file,):
-                results.write_picture(file, figure)
-            pictures.append((path, '{}: frame {} of {}, {} px wrong'.format(
-                self._colors[color], image.number, os.path.basename(piece.key), frame.wrong_px)))
+                file.write(cv2.imencode('.png', drawn)[1].tobytes())
+            pictures.append((path, '\n'.join([
+                '{}: frame {} of {}, {} px wrong'.format(
+                    self._colors[color], image.number, os.path.basename(piece.key),
+                    frame.wrong_px), '',
+                *('- ' + line for line in excluded.lines(extractor, areas_px, settings))])))
         return pictures
 
     def _text(self, chosen: Chosen, settings: RecognitionSettings,

@@ -315,8 +315,9 @@ def test_the_worst_frames_are_drawn(fit, tmp_path):
                                      'rectangle: [0, 0, 30, 40]}\n')
     assert fit('a.png', 'd.png')[0] == 0
     report = open('fit_colors.md').read()
-    assert 'red: frame 0 of d.png, 400 px wrong' in report
-    assert cv2.imread('fit_colors_worst_1.png').shape[1] == 1200
+    assert 'red: frame 0 of d.png, 400 px wrong\n\n- red: 400 px, above the limit of ' in report
+    drawn = cv2.imread('fit_colors_worst_1.png')
+    assert drawn.shape == picture(RED).shape and (drawn != picture(RED)).any()
 
 
 def test_two_processes_write_the_same_bytes(fit, tmp_path):
