@@ -61,7 +61,7 @@ def check(path: str, parameters: Sequence[str] = ()) -> Report:
     unmounted = [each.name for each in robot.sensors
                  if each.values and each.name in vehicle.missing_sensors]
     missing = (*robot.model.left_out, *unmounted, *robot.not_simulated, *robot.findings,
-               *robot.model.missing_meshes, *robot.model.missing_looks, *still)
+               *(row for row in rows if row.state == NOT_DRAWN), *still)
     return Report('robot {} in {}'.format(vehicle.robot.name, path),
                   rows + [each.row() for each in driven],
                   (*robot.warnings, *built.warnings, *(each.warning(path) for each in still)),

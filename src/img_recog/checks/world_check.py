@@ -33,7 +33,7 @@ def check(path: str, allow_partial: bool = False) -> Report:
     problem = '' if allow_partial or not left_out else (
         'something is left out of it; start it with {}'.format(_OPTION))
     return Report('world {} in {}'.format(file.name, path), rows, built.warnings, problem,
-                  bool(file.missing_looks or file.findings))
+                  bool(file.findings) or any(row.state == NOT_DRAWN for row in rows))
 
 
 def _models(world: World, seen: Looks) -> Iterator[Row]:

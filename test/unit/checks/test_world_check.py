@@ -64,6 +64,16 @@ def test_files_and_materials_that_cannot_be_used_are_not_drawn(check, tmp_path):
     assert material == 'material Gone'
 
 
+def test_a_texture_that_cannot_be_read_is_something_that_is_missing(check, tmp_path):
+    (tmp_path / 'a.obj').write_text('mtllib a.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\n'
+                                    'usemtl m\nf 1/1 2/1 3/1\n')
+    (tmp_path / 'a.mtl').write_text('newmtl m\nKd 1 1 1\n')
+    assert not check(MESH.format('a.obj')).is_partial
+    (tmp_path / 'a.mtl').write_text('newmtl m\nKd 1 1 1\nmap_Kd lost.png\n')
+    report = check(MESH.format('a.obj'))
+    assert report.is_partial and report.rows[-1].state == 'not drawn'
+
+
 def test_a_file_that_cannot_be_used_is_refused(check, tmp_path):
     assert refusal(world_check.check, str(tmp_path / 'none.world')).startswith(
         "world: got '{}', which cannot be read as a file".format(tmp_path / 'none.world'))
