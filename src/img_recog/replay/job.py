@@ -19,7 +19,6 @@ from img_recog.recordings.frames import SECOND_NS, WANTED
 from img_recog.replay import cli, programs, scenario
 from img_recog.replay.chain import ColorRecognition, Recognition, Recorder
 from img_recog.replay.loop import Loop
-from img_recog.replay.painter import Painter
 from img_recog.replay.recorders import BagRecorder, PlotRecorder, TableRecorder
 from img_recog.simulation.assembly import Assembly
 from img_recog.simulation.physics.body import Motion
@@ -35,17 +34,16 @@ _log = logging.getLogger('replay.py')
 Frames = Union[FilmFrames, 'BagFrames', 'RobotFrames']
 
 
-def main(painter: Painter, begin_s: float) -> int:
+def main(begin_s: float) -> int:
     """Run the program; return its exit code.
 
     begin_s: start time of the program, by time.perf_counter.
     """
     return programs.run('replay.py', lambda words, interrupts: replay(
-        cli.parse(words), painter, begin_s, interrupts), 'cannot write')
+        cli.parse(words), begin_s, interrupts), 'cannot write')
 
 
-def replay(options: argparse.Namespace, painter: Painter, begin_s: float,
-           interrupts: Interrupts) -> str:
+def replay(options: argparse.Namespace, begin_s: float, interrupts: Interrupts) -> str:
     """Run the replay given by the options; return its summary.
 
     begin_s: start time of the program, by time.perf_counter.
@@ -84,14 +82,15 @@ def replay(options: argparse.Namespace, painter: Painter, begin_s: float,
         with progress:
             end_ns = loop.run(progress)
         loop_s = time.perf_counter() - start_s
-        painter.begin('Replay of {}, {}, in the world {}'.format(
-            os.path.basename(options.input) or "the robot's camera", counted(plot.frames, 'frame'),
-            os.path.basename(options.world)),
-                      plot.data(end_ns / SECOND_NS, footprints(simulator.world)))
         bag.close()
         if film is not None:
             film.close(end_ns / SECOND_NS)
-        png_file.write(painter.finish())
+        # imported here because loading matplotlib takes time, and the loop may fail
+        from img_recog.replay.figure import ReplayFigure
+        ReplayFigure().draw(png_file, 'Replay of {}, {}, in the world {}'.format(
+            os.path.basename(options.input) or "the robot's camera", counted(plot.frames, 'frame'),
+            os.path.basename(options.world)),
+                            plot.data(end_ns / SECOND_NS, footprints(simulator.world)))
     for warning in frames.warnings + recognition.warnings:
         _log.warning('%s', warning)
     whole_s = time.perf_counter() - begin_s

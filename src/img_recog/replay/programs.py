@@ -33,13 +33,17 @@ def run(name: str, program: Callable[[List[str], Interrupts], str], failed: str,
     name: of the program, and of its log, which is in the terminal then. An error is one line of
     it; failed: its beginning, where the system names no file. An `Incomplete` summary is printed,
     too. words: by default those of the command line, also __name:=... and __log:=..., which
-    roslaunch adds.
+    roslaunch adds. The code is 1 at least if nobody reads what is printed.
     """
+    return _flush(_run(name, program, failed, sys.argv[1:] if words is None else words))
+
+
+def _run(name: str, program: Callable[[List[str], Interrupts], str], failed: str,
+         words: Sequence[str]) -> int:
     handler = logging.StreamHandler()
     handler.setFormatter(_Lines(name))
     logging.basicConfig(handlers=[handler])
     log, interrupts = logging.getLogger(name), Interrupts()
-    words = sys.argv[1:] if words is None else words
     try:
         arguments = [word for word in words if not (word.startswith('__') and ':=' in word)]
         summary = named_in_crashes(' '.join([name, *arguments]), program, arguments, interrupts)
@@ -53,6 +57,18 @@ def run(name: str, program: Callable[[List[str], Interrupts], str], failed: str,
         return 1
     except KeyboardInterrupt:
         return 128 + signal.SIGINT
+
+
+def _flush(code: int) -> int:
+    """Write out what stands in the buffers; return the exit code, 1 when nobody reads it."""
+    for stream in (sys.stdout, sys.stderr):
+        try:
+            stream.flush()
+        except OSError:
+            # Python would try once more at its end, complain, and exit with 120
+            os.dup2(os.open(os.devnull, os.O_WRONLY), stream.fileno())
+            code = code or 1
+    return code
 
 
 def recognition_settings(path: str) -> RecognitionSettings:

@@ -23,16 +23,6 @@ WIDE = '{colors: [green], green_hue_min: 40, green_hue_max: 80, green_area_limit
     'green_linear_x: 0.1}'
 
 
-class NoPainter:
-    """Draws nothing."""
-
-    def begin(self, *_):
-        pass
-
-    def finish(self):
-        return b''
-
-
 @pytest.fixture
 def folder(tmp_path, monkeypatch, handlers_as_before):
     """A folder with a film in which a green square grows, and two sets of colors."""
@@ -86,7 +76,7 @@ def test_the_path_is_that_of_replay(folder, monkeypatch):
     assert run(monkeypatch, 'film.avi', '--colors', 'low.yaml', '--world', 'empty') == 0
     monkeypatch.setattr(sys, 'argv', ['replay.py', 'film.avi', '--colors', 'low.yaml', '--world',
                                       'empty', '--no-teleop'])
-    assert job.main(NoPainter(), 0.0) == 0
+    assert job.main(0.0) == 0
     poses = [[float(row[name]) for name in ('x_m', 'y_m', 'yaw_rad')] for row in rows()]
     assert poses == pytest.approx(np.array([
         [float(row[name]) for name in ('x_m', 'y_m', 'yaw_rad')]

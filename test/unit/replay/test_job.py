@@ -1,6 +1,5 @@
 """The program replay without its process: options, files, summary, and what ends it."""
 import csv
-import gc
 import os
 import re
 import sys
@@ -14,32 +13,31 @@ import rosbag
 from img_recog import resources
 from img_recog.camera import calibration
 from img_recog.errors import UserError
-from img_recog.replay import cli, job, main
+from img_recog.replay import cli, figure, job
 from img_recog.replay.plot_data import PlotData
 from img_recog.simulation.settings import SpawnSettings
 from img_recog_testing.calibrations import KNOWN
 
 
-class FakePainter:
+class FakeFigure:
     """Keeps what is to be drawn; the picture is a constant."""
 
-    def begin(self, title, data):
+    def draw(self, file, title, data):
         self.title, self.data = title, data
-
-    def finish(self):
-        return b'picture'
+        file.write(b'picture')
 
 
 @pytest.fixture
 def run(monkeypatch, capsys, tmp_path, handlers_as_before):
-    """A function that runs the program in an empty folder: exit code, output, painter."""
+    """A function that runs the program in an empty folder: exit code, output, figure."""
     monkeypatch.chdir(tmp_path)
 
     def run(*arguments):
-        painter = FakePainter()
+        drawn = FakeFigure()
+        monkeypatch.setattr(figure, 'ReplayFigure', lambda: drawn)
         monkeypatch.setattr(sys, 'argv', ['replay.py', *map(str, arguments)])
-        code = job.main(painter, time.perf_counter() - 1000)
-        return code, capsys.readouterr().out, painter
+        code = job.main(time.perf_counter() - 1000)
+        return code, capsys.readouterr().out, drawn
     return run
 
 
@@ -112,8 +110,8 @@ def test_world_file_in_the_current_folder(tmp_path, monkeypatch):
 
 
 def test_a_video_gives_three_files_and_a_summary(run, make_video, tmp_path):
-    code, text, painter = run(make_video(frames=3), '--world', 'empty', '--x-pos', '1.5',
-                              '__name:=replay', '--no-teleop')
+    code, text, drawn = run(make_video(frames=3), '--world', 'empty', '--x-pos', '1.5',
+                            '__name:=replay', '--no-teleop')
     assert code == 0
     paths = ['video.replay' + extension for extension in ('.bag', '.csv', '.png')]
     assert sorted(os.listdir(str(tmp_path))) == sorted(paths + ['video.avi'])
@@ -125,8 +123,8 @@ def test_a_video_gives_three_files_and_a_summary(run, make_video, tmp_path):
     loop_s, ratio, whole_s = map(float, found.groups())
     assert 1000 < whole_s < 2000 and loop_s < 500
     assert 0.235 / (loop_s + 0.006) < ratio + 0.06 and (ratio - 0.06) * (loop_s - 0.006) < 0.245
-    assert painter.title == 'Replay of video.avi, 3 frames, in the world empty'
-    assert isinstance(painter.data, PlotData) and painter.data.end_s == pytest.approx(0.24)
+    assert drawn.title == 'Replay of video.avi, 3 frames, in the world empty'
+    assert isinstance(drawn.data, PlotData) and drawn.data.end_s == pytest.approx(0.24)
     assert (tmp_path / paths[2]).read_bytes() == b'picture'
     with open(paths[1]) as table:
         assert len(table.read().splitlines()) == 4
@@ -186,7 +184,7 @@ def test_a_function_in_place_of_the_colors(run, make_video, tmp_path, monkeypatc
         '    return Twist(Vector3(0.5, 0.25, 0.0), Vector3(0.0, 0.0, camera_info.K[0]))\n')
     options = ('--world', 'empty', '--recognize', 'users_drive.py:drive', '--calibration',
                'eye.yaml')
-    code, text, painter = run(make_video(frames=3, size=(128, 96)), *options, '--film')
+    code, text, drawn = run(make_video(frames=3, size=(128, 96)), *options, '--film')
     assert code == 0 and text.startswith('3 frames, 0.240 s simulated')
     assert caplog.messages == [
         'users_drive.py:drive fails for 1 of 3 frames; the first is frame 0 at 0.000 s: '
@@ -200,7 +198,7 @@ def test_a_function_in_place_of_the_colors(run, make_video, tmp_path, monkeypatc
         rows = list(csv.DictReader(table))
     assert [row['commands_linear_x_m_per_s'] for row in rows] == ['', '0.5', '0.5']
     assert not any(name.endswith('_px') for name in rows[0])
-    assert len(painter.data.colors) == 0 and painter.data.commands[:, 1].tolist() == [0.5, 0.5]
+    assert len(drawn.data.colors) == 0 and drawn.data.commands[:, 1].tolist() == [0.5, 0.5]
     assert cv2.VideoCapture('video.replay.mp4').isOpened()
     assert run('video.avi', *options, '--strict')[0] == 1
     assert caplog.messages[-1].startswith('users_drive.py:drive fails for frame 0 at 0.000 s: ')
@@ -218,40 +216,3 @@ def test_options_that_make_no_sense_together(run, make_video, caplog, arguments,
     make_video()
     assert run(*arguments.split())[:2] == (1, '')
     assert caplog.messages == [line]
-
-
-@pytest.mark.parametrize('closed, code, wanted', [
-    ((), 0, 0), (('stdout',), 0, 1), (('stderr',), 0, 1), (('stdout',), 3, 3), ((), 3, 3)])
-def test_exit_code_when_nobody_reads_the_output(monkeypatch, closed, code, wanted):
-    def program(painter, begin_s):
-        for stream in (sys.stdout, sys.stderr):
-            stream.write('the last line')
-        return code
-    monkeypatch.setattr(job, 'main', program)
-    ends = {name: os.pipe() for name in ('stdout', 'stderr')}
-    with monkeypatch.context() as patched:
-        for name, (read, write) in ends.items():
-            patched.setattr(sys, name, os.fdopen(write, 'w'))
-            if name in closed:
-                os.close(read)
-        assert main.main() == wanted
-        # Python does so once more at its end
-        sys.stdout.close()
-        sys.stderr.close()
-    for name in ends.keys() - set(closed):
-        with os.fdopen(ends[name][0]) as stream:
-            assert stream.read() == 'the last line'
-
-
-def test_program_begins_with_the_painter_and_returns_the_exit_code(monkeypatch):
-    given = []
-    monkeypatch.delenv('OPENBLAS_NUM_THREADS', raising=False)
-    monkeypatch.setattr(gc, 'freeze', lambda: given.append(gc.isenabled()))
-    monkeypatch.setattr(job, 'main', lambda painter, begin_s: given.append(
-        (os.path.exists('/proc/{}'.format(painter.pid)), begin_s, gc.isenabled())) or 7)
-    before_s = time.perf_counter()
-    assert main.main() == 7
-    assert os.environ['OPENBLAS_NUM_THREADS'] == '1'
-    is_frozen_off, (has_painter, begin_s, is_collecting) = given
-    assert is_frozen_off is False and has_painter and is_collecting
-    assert before_s <= begin_s <= time.perf_counter()

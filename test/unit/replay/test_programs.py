@@ -1,4 +1,5 @@
 """What replay.py and film.py have in common."""
+import os
 import signal
 import subprocess
 import sys
@@ -40,3 +41,24 @@ def test_a_crash_has_a_line_with_the_words_of_the_command():
         'programs.run("replay.py", lambda *_: faulthandler._sigsegv(), "", ["a.flv"])'],
         stderr=subprocess.PIPE, universal_newlines=True)
     assert crashed.returncode == -signal.SIGSEGV and '<replay.py a.flv>' in crashed.stderr
+
+
+@pytest.mark.parametrize('closed, code, wanted', [
+    ((), 0, 0), (('stdout',), 0, 1), (('stderr',), 0, 1), (('stdout',), 1, 1), ((), 1, 1)])
+def test_exit_code_when_nobody_reads_the_output(monkeypatch, closed, code, wanted):
+    def program(words, interrupts):
+        sys.stderr.write('the last line\n')
+        return programs.Incomplete('the last line') if code else 'the last line'
+    ends = {name: os.pipe() for name in ('stdout', 'stderr')}
+    with monkeypatch.context() as patched:
+        for name, (read, write) in ends.items():
+            patched.setattr(sys, name, os.fdopen(write, 'w'))
+            if name in closed:
+                os.close(read)
+        assert programs.run('a.py', program, '', []) == wanted
+        # Python does so once more at its end
+        sys.stdout.close()
+        sys.stderr.close()
+    for name in ends.keys() - set(closed):
+        with os.fdopen(ends[name][0]) as stream:
+            assert stream.read() == 'the last line\n'
