@@ -10,11 +10,17 @@ from img_recog_testing.pages import ROOT
 # after a colon or in quotes or brackets: a program, its words, and a place for a value
 _COMMAND = re.compile(r'(?<!usage)[:"(] ?(sudo |\./run|rosrun|roslaunch|rosbag|rosnode|ffmpeg|'
                       r'xacro|python3 )[^;:"]*\{[0-9]?\}')
+_CONSTANT = re.compile(r'[A-Z_]+\b')
 
 
 def unquoted(source):
     """Yield the lines in which a value is put into a command without shlex.quote."""
     for node in ast.walk(ast.parse(source)):
+        if isinstance(node, ast.BinOp) and isinstance(node.left, ast.Constant):
+            added = ast.get_source_segment(source, node.right)
+            if (isinstance(node.left.value, str) and _COMMAND.search(node.left.value + '{}')
+                    and not added.startswith('shlex.quote(') and not _CONSTANT.match(added)):
+                yield node.lineno
         if not isinstance(node, ast.Call):
             continue
         function, words = node.func, node.args
@@ -31,6 +37,8 @@ def unquoted(source):
 @pytest.mark.parametrize('source, lines', [
     ("'do: rosbag reindex {}'.format(path)", [1]),
     ("'do: rosbag reindex {}'.format(shlex.quote(path))", []),
+    ("'do: rosbag reindex ' + path", [1]),
+    ("'do: rosbag reindex ' + shlex.quote(path)", []), ("'do: rosbag record ' + TOPICS[0]", []),
     ("message('\"rosnode kill {}\"', name)", [1]),
     ("'rosbag cannot read: {}'.format(error)", [])])
 def test_what_counts(source, lines):

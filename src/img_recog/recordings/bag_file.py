@@ -74,7 +74,8 @@ class BagFile(rosbag.Bag):
                     'the bag {} has a chunk of {} bytes, in the file {}, at byte {}; allowed are '
                     '{}'.format(path, chunk.uncompressed_size, chunk.compressed_size, position,
                                 allowed),
-                    'if you trust it, write smaller ones: rosbag decompress ' + path)
+                    'if you trust it, write smaller ones: rosbag decompress '
+                    + shlex.quote(path))
 
 
 class _Reader(_BagReader200):
