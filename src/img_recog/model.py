@@ -294,6 +294,14 @@ class Joint(NamedTuple):
         return min(max(0.0, low), high) if low <= high else 0.0
 
 
+class Gear(NamedTuple):
+    """Keeps the position of `joint` at -`ratio` times that of `other`, in rad or m."""
+
+    joint: str
+    other: str
+    ratio: float
+
+
 class Frame(NamedTuple):
     """Where something is: its constant `pose` in a link."""
 
@@ -318,7 +326,8 @@ class Model:
     each link of the file with a contact sensor, the links that have its solids and no others;
     tags: of its sensors and plugins; missing_meshes: URIs; missing_looks: what is not known or not
     found of materials; warnings: what is simulated in another way than given, a line each;
-    left_out: joints; changed_inertias: links; held: joints of an SDF that hold links fast.
+    left_out: joints; changed_inertias: links; held: joints of an SDF that hold links fast; gears:
+    between its joints.
     """
 
     name: str
@@ -333,6 +342,7 @@ class Model:
     left_out: Tuple[str, ...] = ()
     changed_inertias: Tuple[str, ...] = ()
     held: Tuple[str, ...] = ()
+    gears: Tuple[Gear, ...] = ()
 
     @property
     def roots(self) -> Tuple[str, ...]:

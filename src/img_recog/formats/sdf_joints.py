@@ -7,7 +7,6 @@ import numpy as np
 
 from img_recog.errors import SimulationError
 from img_recog.formats.audit import NOT_USED
-from img_recog.formats.elements import NOT_SIMULATED
 from img_recog.formats.numbers import read_direction, read_limit, read_number
 from img_recog.formats.problems import Problems
 from img_recog.formats.sdf_frames import WORLD, Scope
@@ -16,11 +15,13 @@ from img_recog.formats.texts import is_true, name_of, text_of
 from img_recog.model import CONTINUOUS, FIXED, PRISMATIC, REVOLUTE
 from img_recog.rotations import IDENTITY, Transform
 
-BALL, _GEARBOX = 'ball', 'gearbox'
+BALL, GEARBOX, SCREW = 'ball', 'gearbox', 'screw'
+_RATIOS = {GEARBOX: 'gearbox_ratio', SCREW: 'thread_pitch'}
 # the axes of the kinds of joints: elements of an SDF's joint, or of the frame of a ball joint
 _AXES: Dict[str, Sequence[str]] = {
     FIXED: (), PRISMATIC: ('axis',), REVOLUTE: ('axis',), CONTINUOUS: ('axis',),
-    'universal': ('axis', 'axis2'), 'revolute2': ('axis', 'axis2'), BALL: ()}
+    'universal': ('axis', 'axis2'), 'revolute2': ('axis', 'axis2'), BALL: (), SCREW: ('axis',),
+    GEARBOX: ('axis', 'axis2')}
 NO_LIMIT = 1e16                 # an SDF's number for that
 INCLUDED = 'included'           # an attribute of a model that another one includes
 # of <dynamics>, by the fields of a Joint
@@ -42,19 +43,21 @@ class SdfLink(NamedTuple):
 
 class Axis(NamedTuple):
     """An axis of a joint, (3,) of any length, in its frame; limits: from and to, in rad or m;
-    dynamics: fields of a Joint; strength: of Limits."""
+    dynamics: fields of a Joint; strength: of Limits; slides: whether the child slides along it."""
 
     direction: np.ndarray
     limits: Optional[Tuple[float, float]] = None
     dynamics: Mapping[str, float] = {}
     strength: Mapping[str, float] = {}
+    slides: bool = False
 
 
 class SdfJoint(NamedTuple):
     """A joint between links by their full names.
 
     parent: WORLD for none; pose: of its frame in the outermost model; axes: those about which the
-    child turns, or along which it slides, the first one fixed to the parent.
+    child turns, or along which it slides, the first one fixed to the parent; ratio: of a gearbox,
+    or the pitch of a screw, in rad/m; reference: the link that bears a gearbox, '' for none.
     """
 
     name: str
@@ -63,6 +66,8 @@ class SdfJoint(NamedTuple):
     child: str
     pose: Transform
     axes: Tuple[Axis, ...]
+    ratio: float = 1.0
+    reference: str = ''
 
     def reversed(self) -> 'SdfJoint':
         """Return the same joint with the child as the parent."""
@@ -82,6 +87,7 @@ class Joints:
         self._version, self._problems = version, problems
         self.links: Dict[str, SdfLink] = {}
         self.joints: List[SdfJoint] = []
+        self.gearboxes: List[SdfJoint] = []
         self._collect(model, '', IDENTITY, False)
 
     def _collect(self, model: ElementTree.Element, prefix: str, pose: Transform,
@@ -118,10 +124,6 @@ class Joints:
         kind = element.get('type', '')
         if all(end == WORLD or self.links[end].is_static for end in (parent, child)):
             kind = FIXED        # what is static does not move
-        elif kind == _GEARBOX:
-            self._problems.add_finding(NOT_SIMULATED, 'joint {} of type {}'.format(name, kind),
-                                       'model ' + name_of(model))
-            return
         elif kind not in _AXES:
             self._problems.add('joint {} of type {}, which is held'.format(name, kind))
             kind = FIXED
@@ -129,15 +131,24 @@ class Joints:
         axes = tuple(Axis(self._direction(element, tag, pose, joint_pose, scope),
                           _limits(name, element.find(tag + '/limit')),
                           _dynamics(name, element.find(tag + '/dynamics')),
-                          _strength(name, element.find(tag + '/limit')))
+                          _strength(name, element.find(tag + '/limit')), kind == PRISMATIC)
                      for tag in _AXES[kind])
         if kind == BALL:
             axes = tuple(map(Axis, np.eye(3)))
         elif kind == CONTINUOUS:
             axes = tuple(axis._replace(limits=None) for axis in axes)
+        elif kind == SCREW:
+            axes = (*axes, Axis(axes[0].direction, slides=True))
         name = _free_name(name, lambda each: any(each == other.name for other in self.joints))
-        joint = SdfJoint(name, kind, parent, child, joint_pose, axes)
-        if parent != child:
+        reference = element.findtext('gearbox_reference_body')
+        tag = _RATIOS.get(kind, '')
+        joint = SdfJoint(
+            name, kind, parent, child, joint_pose, axes,
+            read_number('<{}> of joint {}'.format(tag, name), element.findtext(tag, '1')),
+            self._link_name(name, reference, prefix, model) if reference else '')
+        if kind == GEARBOX:
+            self.gearboxes.append(joint)
+        elif parent != child:
             self.joints.append(joint.reversed() if child == WORLD else joint)
 
     def _link_name(self, joint: str, text: str, prefix: str, model: ElementTree.Element) -> str:

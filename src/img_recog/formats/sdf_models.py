@@ -6,17 +6,17 @@ from typing import Dict, List, Optional, Tuple
 import numpy as np
 
 from img_recog.files import FindFile
-from img_recog.formats import frictions, lights, sdf_links, sdf_states
+from img_recog.formats import frictions, lights, sdf_gears, sdf_links, sdf_states
 from img_recog.formats.elements import NOT_SIMULATED
 from img_recog.formats.problems import Problems
 from img_recog.formats.sdf_frames import WORLD, pose_of
-from img_recog.formats.sdf_joints import NO_LIMIT, Axis, Joints, SdfJoint, SdfLink
+from img_recog.formats.sdf_joints import NO_LIMIT, SCREW, Axis, Joints, SdfJoint, SdfLink
 from img_recog.formats.sdf_states import Starts
 from img_recog.formats.sdf_versions import Version
 from img_recog.formats.texts import is_true, name_of
 from img_recog.model import (CONTINUOUS, FIXED, HEIGHTMAP, NO_INERTIA, PLANE, PRISMATIC, REVOLUTE,
-                             Frame, Inertia, Joint, Light, Limits, Link, Look, Model, Solid, Tag,
-                             Tree)
+                             Frame, Gear, Inertia, Joint, Light, Limits, Link, Look, Model, Solid,
+                             Tag, Tree)
 from img_recog.rotations import IDENTITY, Transform
 
 BETWEEN_AXES = '::axis_'        # in the name of a link and a joint that stand for one of several
@@ -85,9 +85,12 @@ class _Builder:
     def __init__(self, parts: Joints, joints_of: Dict[str, List[SdfJoint]], root: SdfLink,
                  find: FindFile, problems: Problems):
         self._given, self._of_links, self._root = parts.links, joints_of, root
+        self._boxes = parts.gearboxes
         self._find, self._problems = find, problems
         self._links: List[Link] = []
         self._joints: List[Joint] = []
+        self._turning: Dict[str, SdfJoint] = {}     # those with one axis
+        self._gears: List[Gear] = []
         self._warnings: List[str] = []
         self._grounds: List[Tuple[Tree, Optional[np.ndarray]]] = []     # with normals of planes
 
@@ -119,13 +122,17 @@ class _Builder:
                 frames[away.child] = joint.pose
                 names.append(away.child)
                 self._add_joint(away, _relative(frames[link], joint.pose))
+        gears = sdf_gears.of_boxes((box for box in self._boxes if box.child in frames),
+                                   self._turning, root.name if is_fixed else None, name,
+                                   self._problems)
         tags = tuple(Tag(link, self._given[link].element) for link in names
                      if self._given[link].element.find('sensor') is not None)
         model = Model(name, tuple(self._links), tuple(self._joints),
                       {link: Frame(link, _relative(frames[link], self._given[link].pose))
                        for link in names}, {tag.link: (tag.link,) for tag in tags}, tags,
                       warnings=tuple(self._warnings),
-                      held=tuple(joint.name for joint in used if joint.kind == FIXED))
+                      held=tuple(joint.name for joint in used if joint.kind == FIXED),
+                      gears=(*self._gears, *gears))
         tree = Tree('{}::{}'.format(name, root.name), model, model_pose @ base,
                     is_fixed or base is not root.pose, base)
         return [tree, *(_placed(*each, name, model_pose) for each in self._grounds)]
@@ -198,6 +205,9 @@ class _Builder:
 
         pose: of the frame of the joint in that of its parent.
         """
+        if len(joint.axes) == 1 and not joint.axes[0].slides:
+            self._turning[joint.name] = joint
+        given, count = joint, len(self._joints)
         for number, axis in enumerate(joint.axes[:-1], 1):
             between = '{}{}{}'.format(joint.name, BETWEEN_AXES, number)
             self._links.append(Link(between))
@@ -205,6 +215,8 @@ class _Builder:
                 name=between, child=between))
             joint, pose = joint._replace(parent=between), IDENTITY
         self._joints.append(_joint(joint, pose, joint.axes[-1] if joint.axes else None))
+        if joint.kind == SCREW:
+            self._gears.append(sdf_gears.of_screw(given, self._joints[count:]))
 
 
 def _placed(ground: Tree, normal: Optional[np.ndarray], name: str, model: Transform) -> Tree:
@@ -226,7 +238,7 @@ def _joint(joint: SdfJoint, pose: Transform, axis: Optional[Axis]) -> Joint:
     if axis is None:
         return Joint(joint.name, FIXED, joint.parent, joint.child, pose)
     limits, kind = axis.limits, PRISMATIC
-    if joint.kind == PRISMATIC:         # which PyBullet does not read without limits
+    if axis.slides:         # which PyBullet does not read without limits
         limits = limits or (-NO_LIMIT, NO_LIMIT)
     else:
         kind = REVOLUTE if limits else CONTINUOUS

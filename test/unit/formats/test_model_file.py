@@ -52,9 +52,9 @@ def test_urdf_can_move_unless_its_root_is_the_world():
     (SDF.format('<include><uri>https://a/b</uri></include>'),
      'model m: not found, or not supported: https://a/b (a URL, which is not downloaded); '
      'download the models and include them by model://NAME, or remove that from the model'),
-    (SDF.format('<model name="n"><link name="a"/><link name="b"/><joint name="j" type="screw">'
+    (SDF.format('<model name="n"><link name="a"/><link name="b"/><joint name="j" type="hinge">'
                 '<parent>a</parent><child>b</child></joint></model>'),
-     'not supported: joint j of type screw, which is held; remove that from the model'),
+     'not supported: joint j of type hinge, which is held; remove that from the model'),
     ('<robot name="r">{}</robot>'.format(LINK.format('l')),
      'model m: link l can move but has no mass; add an <inertial>'),
     ('<robot name="r"><link name="world"><visual><geometry><mesh filename="package://a/b.dae"/>'

@@ -112,7 +112,8 @@ def test_a_joint_that_closes_a_loop_is_left_out_with_a_line(kind):
 def test_a_gearbox_is_left_out_with_a_line_and_does_not_hold_what_it_joins():
     tree, = convert(TWO, JOINT.format('one', 'revolute', 'a', 'b', ABOUT_Y),
                     JOINT.format('two', 'gearbox', 'a', 'b', AXES),
-                    findings=('joint two of type gearbox of model m',))
+                    findings=('joint two of type gearbox, of which the links do not turn about '
+                              'its axes of model m',))
     assert [(joint.name, joint.kind) for joint in tree.model.joints] == [('one', 'continuous')]
 
 

@@ -234,7 +234,7 @@ FRICTION = LINK.format('a', '').replace('<geometry>', '<surface><friction><ode>{
      '<xyz> of joint a_b: got 0 0 0, expected a direction', ['a', 'b']),
     (TWO + JOINT.format('a', 'b', 'revolute', '<axis><limit><upper>x</upper></limit></axis>'),
      "<upper> of joint a_b: got 'x', expected 1 finite number", ['a', 'b']),
-    (TWO + JOINT.format('a', 'b', 'screw', ''), 'joint a_b of type screw, which is held', ['a b']),
+    (TWO + JOINT.format('a', 'b', 'hinge', ''), 'joint a_b of type hinge, which is held', ['a b']),
     (TWO + '<link name="c"><pose relative_to="c"/></link>',
      'model m: the pose of c depends on itself', ['a', 'b']),
     (TWO + '<link name="c"><pose relative_to="f"/></link><frame name="f" attached_to="g"/>'

@@ -20,8 +20,8 @@ MESH = '<visual name="v"><geometry><mesh><uri>{}</uri></mesh></geometry></visual
 PEAK = 'v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n'
 SCRIPT = ('<visual name="v"><geometry><box><size>1 1 1</size></box></geometry><material><script>'
           '<name>{}</name></script></material></visual>')
-SCREW = ('<model name="m"><link name="a"/><link name="b"/><joint name="j" '
-         'type="screw"><parent>a</parent><child>b</child></joint></model>')
+HINGE = ('<model name="m"><link name="a"/><link name="b"/><joint name="j" '
+         'type="hinge"><parent>a</parent><child>b</child></joint></model>')
 ADVICE = ('; set GAZEBO_MODEL_PATH to the folders of the models, or add '
           'allow_partial_world:=true to load the rest')
 
@@ -221,7 +221,7 @@ def test_all_that_is_missing_is_named(read):
 
 
 @pytest.mark.parametrize('inside, name, advice', [
-    (SCREW, 'joint j of type screw, which is held', ''), ('<actor name="w"/>', 'actor w', ''),
+    (HINGE, 'joint j of type hinge, which is held', ''), ('<actor name="w"/>', 'actor w', ''),
     ('<include><uri>https://a/b</uri></include>',
      'https://a/b (a URL, which is not downloaded)',
      'download the models and include them by model://NAME, or '),

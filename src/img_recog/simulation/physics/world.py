@@ -7,7 +7,7 @@ from img_recog.errors import SimulationError, shortened
 from img_recog.formats.problems import Problems
 from img_recog.formats.world_file import WorldFile
 from img_recog.model import PLANE, Frame, Friction, Link, Model, Shape, Solid, Tree
-from img_recog.simulation.physics import build, crowding, friction, standing, tyres
+from img_recog.simulation.physics import build, crowding, friction, gears, standing, tyres
 from img_recog.simulation.physics.body import Body
 from img_recog.simulation.physics.client import all_or_nothing
 from img_recog.simulation.physics.forces import Forces
@@ -45,6 +45,7 @@ class World:
         self.physics_client_id, self.step_s = physics_client_id, settings.step_s
         self.solids, self._meeting = Solids(physics_client_id), Meeting(physics_client_id)
         self._forces: Dict[int, Forces] = {}
+        self._gears: Dict[int, List[int]] = {}
         self.pushes = Pushes()
         self.file, self.revision = file._replace(trees=()), 0
         self.bodies: List[FramedBody] = []
@@ -138,6 +139,7 @@ class World:
         self._meeting.add(bodies)
         lines: List[str] = []
         for body in bodies:
+            self._gears[body.body_id] = gears.add(body)
             forces = Forces(body, self.step_s, self.file.gravity)
             lines += ['{}: {}'.format(body.name, line) for line in forces.warnings]
             if forces:
@@ -148,6 +150,7 @@ class World:
         """Undo `adopt`; call it before the body is removed."""
         self._meeting.forget(body)
         self._forces.pop(body.body_id, None)
+        gears.remove(self._gears.pop(body.body_id), self.physics_client_id)
         self.pushes.forget(body)
 
     def unload(self, body: Body) -> None:
