@@ -9,7 +9,8 @@ import time
 from img_recog.formats import lumping, urdf, world_file
 from img_recog.simulation.physics.client import connect
 from img_recog.simulation.physics.world import World
-from img_recog.simulation.settings import PhysicsSettings, RobotSettings
+from img_recog.simulation.robot_spec import RobotSpec
+from img_recog.simulation.settings import PhysicsSettings
 from img_recog.simulation.vehicle import Vehicle
 
 FOLDER = os.path.join(os.path.dirname(os.path.abspath(__file__)), os.pardir, 'urdf')
@@ -32,7 +33,7 @@ def main() -> int:
     world = World(physics, world_file.read('turtlebot3_world', worlds), client)
     with open(os.path.join(FOLDER, 'turtlebot3_burger.urdf')) as file:
         robot = lumping.lumped(urdf.read(urdf.root_of(file.read()), lambda uri: None))
-    vehicle = Vehicle(robot, RobotSettings(), world)
+    vehicle = Vehicle(RobotSpec('burger', robot), world)
     # the speeds of sample.py, without a ramp: 0.1 m/s and 0.5 rad/s
     vehicle.robot.set_wheel_velocities(((0.1 - 0.04) / 0.033, (0.1 + 0.04) / 0.033))
     world.step(BATCH)

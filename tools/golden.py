@@ -17,12 +17,9 @@ from typing import Any, Iterator, List
 import numpy as np
 import pybullet
 
-from img_recog import resources, robot_file
-from img_recog.conversions.sensor_table import SENSORS
+from img_recog import assemble
 from img_recog.errors import UserError, one_line
-from img_recog.formats import world_file
-from img_recog.formats.world_file import EMPTY, WorldFile
-from img_recog.simulation import assembly
+from img_recog.formats.world_file import EMPTY
 from img_recog.simulation.assembly import Assembly
 from img_recog.simulation.figures import Figures
 from img_recog.simulation.physics.body import Body
@@ -43,13 +40,11 @@ def text_of(path: str) -> str:
 
 
 def _robot(path: str) -> Iterator[str]:
-    robot = assembly.read_robot(robot_file.read(path, 'FILE'), 0.001, resources.find, path,
-                                SENSORS)
-    settings = assembly.default_settings(robot)
-    built = assembly.build(PhysicsSettings(), WorldFile(EMPTY), [(robot, settings)])
-    yield from ('warning ' + line for line in (*robot.warnings, *built.warnings))
+    robot = assemble.robot(path)
+    built = assemble.simulator(PhysicsSettings(world=EMPTY), [robot])
+    yield from ('warning ' + line for line in built.warnings)
     vehicle = built.simulator.vehicles[0]
-    yield 'drive ' + _plain(dataclasses.asdict(settings.drive))
+    yield 'drive ' + _plain(dataclasses.asdict(robot.settings.drive))
     for sensor in vehicle.sensors:
         yield 'sensor {} on {} {}'.format(sensor.name, _plain(sensor.place),
                                           _plain(vehicle.settings.sensors[sensor.name]))
@@ -58,11 +53,10 @@ def _robot(path: str) -> Iterator[str]:
 
 
 def _world(path: str) -> Iterator[str]:
-    file = world_file.read(path, resources.worlds(), resources.find, True,
-                           read_file=robot_file.read_any)
-    built = assembly.build(PhysicsSettings(allow_partial_world=True), file, [])
+    built = assemble.simulator(PhysicsSettings(world=path, allow_partial_world=True))
+    file = built.simulator.world.file
     yield from ('warning ' + line for line in built.warnings)
-    yield from ('left out ' + line for line in (*file.left_out, *built.left_out))
+    yield from ('left out ' + line for line in built.left_out)
     yield 'gravity {} floor {} camera {}'.format(_plain(file.gravity), file.has_floor,
                                                  _plain(file.camera))
     yield from _bodies(built)

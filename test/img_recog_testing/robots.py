@@ -5,6 +5,7 @@ import os
 from img_recog.conversions.sensor_table import SENSORS
 from img_recog.formats import world_file
 from img_recog.simulation import assembly
+from img_recog.simulation.robot_spec import read_robot
 from img_recog.simulation.settings import PhysicsSettings, RobotSettings, SpawnSettings
 
 GROUPS = 'spawn', 'drive', 'noise'
@@ -25,15 +26,15 @@ def assemble(world_name='empty', x=0.0, y=0.0, yaw=0.0, z=0.0, urdf=None, find_m
     physics = PhysicsSettings(world=world_name)
     robot = read(burger() if urdf is None else urdf, 'robot_description', find_mesh)
     world = world_file.read(world_name, WORLDS, allow_partial=allow_partial)
-    return assembly.build(physics, world, [(robot, settings_of(x, y, yaw, z, **settings))],
-                          unused_sensors, option_name)
+    return assembly.build(physics, world, [robot._replace(settings=settings_of(
+        x, y, yaw, z, **settings))], unused_sensors, option_name)
 
 
 @functools.lru_cache(maxsize=16)         # it takes as long as the rest of a simulator
 def read(urdf, source='robot.urdf', find_mesh=None):
     """Return what the text of a URDF gives."""
-    return assembly.read_robot(urdf, PhysicsSettings().step_s, find_mesh or (lambda uri: None),
-                               source, SENSORS)
+    return read_robot(urdf, PhysicsSettings().step_s, find_mesh or (lambda uri: None), source,
+                      SENSORS)
 
 
 def settings_of(x=0.0, y=0.0, yaw=0.0, z=0.0, **settings):

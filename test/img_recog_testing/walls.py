@@ -3,14 +3,14 @@ import ast
 import pathlib
 
 PURE = ('camera', 'formats', 'recognition', 'rendering', 'simulation', 'teleoperation')
-GROUND_FLOOR = ('bag_recording', 'errors', 'files', 'helper_process', 'lenses', 'markup',
-                'mesh_file', 'mesh_formats', 'messages', 'model', 'new_package', 'option_types',
-                'processes', 'resources', 'results', 'robot_file', 'rotations', 'settings',
-                'still_images', 'textures', 'timed_xmlrpc')
+GROUND_FLOOR = ('assemble', 'bag_recording', 'errors', 'files', 'helper_process', 'lenses',
+                'markup', 'mesh_file', 'mesh_formats', 'messages', 'model', 'new_package',
+                'option_types', 'processes', 'resources', 'results', 'robot_file', 'rotations',
+                'settings', 'still_images', 'textures', 'timed_xmlrpc')
 # the rooms of simulation/, from the lowest to the highest: none imports one above it
-SIMULATION_ROOMS = ('settings', 'physics', 'sensors', 'carrier', 'vehicle', 'simulator',
-                    'pictures', 'states', 'models', 'model_forces', 'figures', 'places', 'pacing',
-                    'assembly')
+SIMULATION_ROOMS = ('settings', 'names', 'physics', 'sensors', 'robot_spec', 'carrier', 'vehicle',
+                    'simulator', 'pictures', 'states', 'models', 'model_forces', 'figures',
+                    'places', 'pacing', 'assembly')
 # libraries that only some folders or files may use
 OWNERS = {
     **dict.fromkeys(('pybullet', 'pybullet_data', 'pybullet_utils'), tuple(
@@ -31,6 +31,7 @@ ALLOWED = {
                 'rotations', 'settings', 'still_images', 'textures') + (
                     ('formats',) if folder == 'simulation' else ())
        for folder in PURE},
+    'assemble': PURE + ('conversions', 'resources', 'robot_file', 'settings'),
     'bag_recording': ('errors', 'processes'), 'markup': ('errors',), 'new_package': ('errors',),
     '__init__': (), 'errors': (), 'helper_process': (), 'lenses': (), 'messages': (),
     'option_types': (), 'processes': (), 'rotations': (), 'timed_xmlrpc': (),

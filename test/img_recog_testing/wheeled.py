@@ -4,6 +4,7 @@ import math
 from img_recog.conversions.sensor_table import SENSORS
 from img_recog.formats import world_file
 from img_recog.simulation import assembly
+from img_recog.simulation.robot_spec import read_robot
 from img_recog.simulation.settings import PhysicsSettings
 
 CYLINDER = '<cylinder radius="{radius}" length="0.04"/>'
@@ -77,16 +78,14 @@ def wheel_mesh(radius, middle=(0.0, 0.0), width=0.04, corners=36):
 
 def source(urdf, controllers=(), find_mesh=lambda uri: None):
     """Return what the text of a URDF gives; controllers: those on the parameter server."""
-    return assembly.read_robot(urdf, PhysicsSettings().step_s, find_mesh, 'robot.urdf', SENSORS,
-                               lambda namespace: dict(controllers))
+    return read_robot(urdf, PhysicsSettings().step_s, find_mesh, 'robot.urdf', SENSORS,
+                      lambda namespace: dict(controllers))
 
 
 def assembled(urdf, controllers=(), find_mesh=lambda uri: None):
     """Return the assembly of a robot at the origin of an empty world."""
-    read = source(urdf, controllers, find_mesh)
-    settings = assembly.default_settings(read)
     return assembly.build(PhysicsSettings(world='empty'), world_file.read('empty', {}),
-                          [(read, settings)])
+                          [source(urdf, controllers, find_mesh)])
 
 
 def velocity(simulator, forward=0.0, turn=0.0, left=0.0, settle_s=1.5, seconds=0.5):

@@ -21,7 +21,7 @@ from img_recog.conversions.compressed_image_msgs import CompressionSettings
 from img_recog.conversions.sensor_table import SENSORS
 from img_recog.nodes.color_extract.node import InputSettings
 from img_recog.nodes.gazebo.lockstep_settings import LockstepSettings
-from img_recog.nodes.gazebo.robot_plans import RobotsSettings, robot_settings_classes
+from img_recog.nodes.gazebo.robot_reader import RobotsSettings, robot_settings_classes
 from img_recog.nodes.gazebo.stepping import SteppingSettings
 from img_recog.nodes.gazebo.physics_services import RuntimeSettings
 from img_recog.nodes.republish import RepublishSettings

@@ -10,7 +10,8 @@ import pytest
 from img_recog.formats import world_file
 from img_recog.simulation.physics.client import connect
 from img_recog.simulation.physics.world import World
-from img_recog.simulation.settings import PhysicsSettings, RobotSettings
+from img_recog.simulation.robot_spec import RobotSpec
+from img_recog.simulation.settings import PhysicsSettings
 from img_recog.simulation.simulator import Simulator
 from img_recog.simulation.vehicle import Vehicle
 from img_recog_testing.parsed import lumped
@@ -58,7 +59,7 @@ def drive(areas):
     """Return the pose of the demo's robot at the end of a video of these areas, 25 Hz."""
     client = connect()
     world = World(PhysicsSettings(), world_file.read(WORLD, {}), client)
-    vehicle = Vehicle(lumped(burger()), RobotSettings(), world)
+    vehicle = Vehicle(RobotSpec('burger', lumped(burger())), world)
     simulator = Simulator(world, [vehicle])
     for step in range(0, 40 * len(areas), 20):
         if step % 100 == 0:

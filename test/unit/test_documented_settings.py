@@ -7,7 +7,7 @@ from img_recog_testing.pages import read, rows
 from img_recog.camera import settings as camera
 from img_recog.conversions.compressed_image_msgs import CompressionSettings
 from img_recog.nodes.gazebo.lockstep_settings import LockstepSettings
-from img_recog.nodes.gazebo.robot_plans import robot_settings_classes
+from img_recog.nodes.gazebo.robot_reader import robot_settings_classes
 from img_recog.nodes.gazebo.stepping import SteppingSettings
 from img_recog.recognition.settings import with_colors
 from img_recog.settings import SettingError, setting_fields

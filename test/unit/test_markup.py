@@ -8,7 +8,7 @@ from img_recog import markup, robot_file
 from img_recog.camera import calibration
 from img_recog.formats import model_file, world_file
 from img_recog.recognition import parameter_file
-from img_recog.simulation import assembly
+from img_recog.simulation.robot_spec import read_robot
 from img_recog_testing.parsed import lumped
 from img_recog_testing.refusals import refusal
 from img_recog_testing.robots import burger
@@ -49,7 +49,7 @@ HOSTILE_XML = {
 def test_hostile_xml_is_one_line_wherever_it_is_read(tmp_path, text, words):
     assert words in refusal(markup.parse_xml, text)
     assert words in refusal(lumped, text)
-    line = refusal(assembly.read_robot, text, 0.001, lambda uri: None, 'robot_description')
+    line = refusal(read_robot, text, 0.001, lambda uri: None, 'robot_description')
     assert line.startswith('cannot use the robot in robot_description: ') and words in line
     for name in ('robot.world', 'robot.xacro', 'robot.urdf'):
         (tmp_path / name).write_bytes(text.encode('utf-8', 'surrogatepass'))

@@ -2,10 +2,10 @@
 import functools
 import os
 
+from img_recog import assemble, robot_file
 from img_recog.batch.work_folder import digest, identity
 from img_recog.errors import UserError, one_line
 from img_recog.rendering import prepared
-from img_recog.replay import scenario
 
 
 @functools.lru_cache(maxsize=None)      # a program reads them once
@@ -16,7 +16,8 @@ def of_scene(world: str, urdf: str) -> str:
     found any more makes another model, so only the files that the models name are left.
     """
     try:
-        file, robot, text = scenario.read(world, urdf)
+        text = robot_file.read(urdf, '--urdf')
+        robot, file = assemble.robot_of(text, urdf), assemble.world(world, allow_partial=False)
     except UserError as error:      # what cannot be read has no result
         return one_line(error)
     models = [robot.model, *(tree.model for tree in file.trees)]

@@ -3,21 +3,19 @@ import dataclasses
 import math
 from typing import Any, Dict, Iterator, Mapping, NamedTuple, Sequence, Tuple
 
-from img_recog import resources, robot_file
+from img_recog import assemble
 from img_recog.checks import looks
 from img_recog.checks.looks import Looks
 from img_recog.checks.report import (ASSUMED, MEASURED, NOT_DRAWN, NOT_SIMULATED, SIMULATED,
                                      Report, Row, rows_of, size)
-from img_recog.conversions.sensor_table import SENSORS
 from img_recog.errors import UserError, one_line
 from img_recog.formats import drive_controllers
 from img_recog.formats.drive_controllers import Controllers
-from img_recog.formats.world_file import EMPTY, WorldFile
+from img_recog.formats.world_file import EMPTY
 from img_recog.markup import MarkupError, load_yaml, read_bytes
-from img_recog.simulation import assembly
-from img_recog.simulation.assembly import RobotSource
 from img_recog.simulation.physics import wheels
-from img_recog.simulation.settings import CameraSettings, DriveSettings, PhysicsSettings
+from img_recog.simulation.robot_spec import RobotSpec
+from img_recog.simulation.settings import CameraSettings, PhysicsSettings
 from img_recog.simulation.simulator import Simulator
 from img_recog.simulation.vehicle import Vehicle
 
@@ -39,14 +37,13 @@ def check(path: str, parameters: Sequence[str] = ()) -> Report:
     path: of a URDF or xacro file; parameters: paths of YAML files, those of its controllers.
     Raises a UserError when it cannot be used.
     """
-    physics, urdf = PhysicsSettings(world=EMPTY), robot_file.read(path, 'FILE')
-    robot = assembly.read_robot(urdf, physics.step_s, resources.find, path, SENSORS,
-                                lambda namespace: _controllers(namespace, parameters))
-    settings = assembly.default_settings(robot)
-    built = assembly.build(physics, WorldFile(EMPTY), [(robot, settings)])
+    robot = assemble.robot(path,
+                           controllers=lambda namespace: _controllers(namespace, parameters))
+    drive = robot.settings.drive
+    built = assemble.simulator(PhysicsSettings(world=EMPTY), [robot])
     simulator, vehicle = built.simulator, built.simulator.vehicles[0]
     seen = looks.read(simulator)
-    rows = [*_body(vehicle, seen), *_friction(robot), *_drive(robot, settings.drive),
+    rows = [*_body(vehicle, seen), *_friction(robot), *_drive(robot),
             *_sensors(robot, vehicle), *map(_camera, robot.cameras),
             *(Row(NOT_SIMULATED, 'joint ' + each) for each in robot.model.left_out),
             *(Row(NOT_SIMULATED, each) for each in robot.not_simulated),
@@ -55,7 +52,7 @@ def check(path: str, parameters: Sequence[str] = ()) -> Report:
             *(Row(NOT_DRAWN, each) for each in robot.model.missing_looks),
             *seen.rows]
     driven = list(_driven(robot, simulator))
-    slips = max(len(settings.drive.left_joints), len(settings.drive.right_joints)) > 1
+    slips = max(len(drive.left_joints), len(drive.right_joints)) > 1
     still = [each for each in driven if each.got < each.asked * (
         _SLIPS if slips and each.what == _TURNING else _DRIVES)]
     unmounted = [each.name for each in robot.sensors
@@ -64,7 +61,7 @@ def check(path: str, parameters: Sequence[str] = ()) -> Report:
                *(row for row in rows if row.state == NOT_DRAWN), *still)
     return Report('robot {} in {}'.format(vehicle.robot.name, path),
                   rows + [each.row() for each in driven],
-                  (*robot.warnings, *built.warnings, *(each.warning(path) for each in still)),
+                  (*built.warnings, *(each.warning(path) for each in still)),
                   is_partial=bool(missing))
 
 
@@ -97,7 +94,7 @@ def _body(vehicle: Vehicle, seen: Looks) -> Iterator[Row]:
         yield Row(ASSUMED, 'inertia of ' + name, 'the nearest possible one')
 
 
-def _friction(robot: RobotSource) -> Iterator[Row]:
+def _friction(robot: RobotSpec) -> Iterator[Row]:
     """Return a row for the links of each coefficient."""
     links = [link for link in robot.model.links if link.solids]
     for state, source in ((SIMULATED, '<mu1>, <mu> or <lateral_friction>'), (ASSUMED, 'default')):
@@ -108,7 +105,8 @@ def _friction(robot: RobotSource) -> Iterator[Row]:
                 link.name for link in of_state if link.surface.mu == value)), source)
 
 
-def _drive(robot: RobotSource, drive: DriveSettings) -> Iterator[Row]:
+def _drive(robot: RobotSpec) -> Iterator[Row]:
+    drive = robot.settings.drive
     measured = wheels.measure(robot.model, drive).values()
     is_given = any(field.name in robot.tag_values for field in dataclasses.fields(drive))
     for field in dataclasses.fields(drive):
@@ -125,7 +123,7 @@ def _drive(robot: RobotSource, drive: DriveSettings) -> Iterator[Row]:
             yield Row(ASSUMED, field.name, text, 'default')
 
 
-def _sensors(robot: RobotSource, vehicle: Vehicle) -> Iterator[Row]:
+def _sensors(robot: RobotSpec, vehicle: Vehicle) -> Iterator[Row]:
     for name, kind, _, _, place, *_ in robot.sensors:
         settings = vehicle.settings.sensors[name]
         if name in vehicle.missing_sensors:
@@ -164,7 +162,7 @@ class _Driven(NamedTuple):
             source, self.what, self.got, self.unit, self.asked, _WHEELS)
 
 
-def _driven(robot: RobotSource, simulator: Simulator) -> Iterator[_Driven]:
+def _driven(robot: RobotSpec, simulator: Simulator) -> Iterator[_Driven]:
     """Return how fast the robot moves when it is told to, on the floor alone."""
     vehicle = simulator.vehicles[0]
     for sensor in robot.sensors:

@@ -1,5 +1,4 @@
 """A world and a robot simulated as fast as it goes: lines of JSON of where everything is."""
-import dataclasses
 import json
 import math
 import os
@@ -9,13 +8,10 @@ from typing import Any, Dict, Iterator, List, NamedTuple, Sequence, Tuple
 
 import cv2
 
-from img_recog import resources, robot_file
+from img_recog import assemble
 from img_recog.conversions import robot_cameras
-from img_recog.conversions.sensor_table import SENSORS
 from img_recog.errors import UserError
-from img_recog.formats import world_file
 from img_recog.rendering import lens_views, renderer
-from img_recog.simulation import assembly
 from img_recog.simulation.carrier import Carrier
 from img_recog.simulation.figures import Figures
 from img_recog.simulation.models import Models
@@ -57,16 +53,15 @@ class Run:
     def __init__(self, options: Options):
         """Build it and start the motors; raise a UserError if it cannot be built."""
         self._options = options
-        physics = PhysicsSettings(world=options.world, allow_partial_world=True)
-        file = world_file.read(options.world, resources.worlds(), resources.find, True,
-                               read_file=robot_file.read_any)
-        robots = [self._robot(options.urdf, physics.step_s)] if options.urdf else []
+        robots = [assemble.robot(options.urdf, '--urdf').changed(
+            spawn=SpawnSettings(x_pos=0.0, y_pos=0.0))] if options.urdf else []
         # without a command they stand as in a Gazebo without ROS: nothing holds their wheels
-        self._built = assembly.build(physics, file, robots, kinds=SENSORS, with_bare=True,
-                                     with_drives=bool(options.twist and not options.urdf))
-        self.warnings = [*(line for robot, _ in robots for line in robot.warnings),
-                         *self._built.warnings]
-        self.left_out = (*file.left_out, *self._built.left_out)
+        self._built = assemble.simulator(
+            PhysicsSettings(world=options.world, allow_partial_world=True), robots,
+            with_sensors=True, with_bare=True,
+            with_drives=bool(options.twist and not options.urdf))
+        self.warnings = list(self._built.warnings)
+        self.left_out = self._built.left_out
         self._simulator = self._built.simulator
         self._simulator.warn = self.warnings.append
         self._figures = Figures(self._simulator)
@@ -77,13 +72,6 @@ class Run:
         for text in options.drive:
             joint, numbers = _named('--drive', text, ':', (2,))
             self._figures.set_motor(joint, *numbers)
-
-    @staticmethod
-    def _robot(path: str, step_s: float) -> Tuple[assembly.RobotSource, Any]:
-        robot = assembly.read_robot(robot_file.read(path, '--urdf'), step_s, resources.find, path,
-                                    SENSORS)
-        settings = assembly.default_settings(robot)
-        return robot, dataclasses.replace(settings, spawn=SpawnSettings(x_pos=0.0, y_pos=0.0))
 
     def _move_models(self, models: Models) -> None:
         for text in self._options.velocity:
@@ -141,8 +129,8 @@ class Run:
         drawn_by = renderer.make()
         drawn_by.load(visual_scene.read(self._built.scene, parts), parts.poses())
         os.makedirs(folder, exist_ok=True)
-        for carrier, source in zip(self._simulator.carriers, self._built.sources):
-            for settings, name in zip(source.cameras, source.camera_names):
+        for carrier in self._simulator.carriers:
+            for settings, name in zip(carrier.spec.cameras, carrier.spec.camera_names):
                 exposure = RobotCamera(carrier.robot, settings, parts.poses).read()
                 image = lens_views.draw(drawn_by, robot_cameras.camera_of(settings),
                                         exposure.camera_pose, exposure.poses)

@@ -3,13 +3,11 @@ from typing import Iterator
 
 import numpy as np
 
-from img_recog import resources, robot_file
+from img_recog import assemble
 from img_recog.checks import looks
 from img_recog.checks.looks import Looks
 from img_recog.checks.report import LEFT_OUT, NOT_DRAWN, SIMULATED, Report, Row, rows_of, size
-from img_recog.formats import world_file
 from img_recog.formats.world_file import WorldFile
-from img_recog.simulation import assembly
 from img_recog.simulation.physics.world import World
 from img_recog.simulation.settings import PhysicsSettings
 
@@ -22,10 +20,8 @@ def check(path: str, allow_partial: bool = False) -> Report:
     allow_partial: whether one of which something is left out can be used.
     Raises a UserError when the file cannot be used at all.
     """
-    file = world_file.read(path, resources.worlds(), resources.find, True,
-                           read_file=robot_file.read_any)
-    built = assembly.build(PhysicsSettings(world=path, allow_partial_world=True), file, [])
-    left_out = (*file.left_out, *built.left_out)
+    built = assemble.simulator(PhysicsSettings(world=path, allow_partial_world=True))
+    file, left_out = built.simulator.world.file, built.left_out
     seen = looks.read(built.simulator)
     rows = [*_models(built.simulator.world, seen), *_rest(file), *seen.rows,
             *(Row(NOT_DRAWN, each, 'its surface') for each in file.missing_looks),

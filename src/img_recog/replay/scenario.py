@@ -2,16 +2,13 @@
 import dataclasses
 import logging
 from types import MappingProxyType
-from typing import Any, Mapping, Tuple
+from typing import Any, Mapping
 
-from img_recog import resources, robot_file
+from img_recog import assemble
 from img_recog.conversions.sensor_table import SENSORS
 from img_recog.errors import UserError
-from img_recog.formats import world_file
-from img_recog.formats.world_file import WorldFile
 from img_recog.replay.recorders import RECORDED
-from img_recog.simulation import assembly
-from img_recog.simulation.assembly import Assembly, RobotSource
+from img_recog.simulation.assembly import Assembly
 from img_recog.simulation.settings import (CameraSettings, NoiseSettings, PhysicsSettings,
                                            SpawnSettings)
 
@@ -30,23 +27,13 @@ def build(world: str, urdf_path: str, spawn: SpawnSettings,
     Raises UserError when something cannot be read or built.
     """
     physics = PhysicsSettings(world=world, allow_partial_world=allow_partial_world)
-    file, robot, _ = read(world, urdf_path, allow_partial_world)
-    settings = assembly.default_settings(robot)
-    settings = dataclasses.replace(settings, spawn=spawn, noise=noise,
-                                   drive=dataclasses.replace(settings.drive, **drive))
-    built = assembly.build(physics, file, [(robot, settings)], _UNUSED_SENSORS, _option)
-    for warning in robot.warnings + built.warnings:
+    robot = assemble.robot(urdf_path, '--urdf')
+    built = assemble.simulator(
+        physics, [robot.changed(spawn=spawn, noise=noise, drive=dataclasses.replace(
+            robot.settings.drive, **drive))], _UNUSED_SENSORS, _option)
+    for warning in built.warnings:
         _log.warning('%s', warning)
     return built
-
-
-def read(world: str, urdf_path: str, allow_partial_world: bool = False
-         ) -> Tuple[WorldFile, RobotSource, str]:
-    """Return a world, a robot, and the text of its URDF; arguments and errors as for `build`."""
-    text = robot_file.read(urdf_path, '--urdf')
-    robot = assembly.read_robot(text, PhysicsSettings().step_s, resources.find, urdf_path, SENSORS)
-    return world_file.read(world, resources.worlds(), resources.find, allow_partial_world,
-                           _option('allow_partial_world'), robot_file.read_any), robot, text
 
 
 def camera_settings(built: Assembly) -> CameraSettings:
@@ -54,9 +41,9 @@ def camera_settings(built: Assembly) -> CameraSettings:
 
     Raises UserError if it has neither.
     """
-    if built.sources[0].cameras:
-        return built.sources[0].cameras[0]
     vehicle, = built.simulator.vehicles
+    if vehicle.spec.cameras:
+        return vehicle.spec.cameras[0]
     if vehicle.robot.has_frame(_CAMERA_LINK):
         return CameraSettings(camera_frame=_CAMERA_LINK, camera_optical_frame=_CAMERA_FRAME)
     raise UserError('--camera robot: the robot has no camera: neither a <sensor type="camera"> in '

@@ -1,7 +1,7 @@
 """A body with sensors that are read once in a period each."""
 import dataclasses
 import sys
-from typing import Any, Callable, Collection, Dict, List, NamedTuple, Optional, Sequence, Set
+from typing import Any, Callable, Collection, Dict, List, NamedTuple, Optional, Set
 
 import numpy as np
 
@@ -9,10 +9,11 @@ from img_recog.settings import nearest_period
 from img_recog.simulation.physics.drive import Drive
 from img_recog.simulation.physics.framed_body import FramedBody
 from img_recog.simulation.physics.world import World
+from img_recog.simulation.robot_spec import RobotSpec
 from img_recog.simulation.sensors.rays import RaySensor
 from img_recog.simulation.sensors.robot_camera import RobotCamera
 from img_recog.simulation.sensors.sensor import Mount, RobotSensor, ScheduledSensor
-from img_recog.simulation.settings import CameraSettings, RobotSettings, whole_steps
+from img_recog.simulation.settings import CameraSettings, whole_steps
 
 CAMERA = 'image'        # the kind of sensor that is no row of the table of sensors
 _NEVER = sys.maxsize
@@ -35,22 +36,22 @@ class Reading(NamedTuple):
 class Carrier:
     """A model with sensors: one that stands in the world, or as a Vehicle, a robot that drives.
 
-    robot: the body; settings: those of all sensors, in which an
+    spec: what it was made from; robot: the body; settings: those of all sensors, in which an
     empty frame is the root link; sensors: all but cameras; missing_sensors: those that were left
     out, and the links for them that the robot does not have.
     """
 
-    def __init__(self, settings: RobotSettings, world: World, robot: FramedBody,
-                 sensors: Sequence[RobotSensor] = (), drive: Optional[Drive] = None):
+    def __init__(self, spec: RobotSpec, world: World, robot: FramedBody,
+                 drive: Optional[Drive] = None):
         """Mount the sensors; SimulationError when a setting does not fit."""
-        self.sensors, self.robot, self._world = sensors, robot, world
-        self.settings = dataclasses.replace(settings, sensors={
-            each.name: _with_root(settings.sensors.get(each.name) or each.kind.settings(),
-                                  robot.model.root) for each in sensors})
+        self.spec, self.sensors, self.robot, self._world = spec, spec.sensors, robot, world
+        self.settings = dataclasses.replace(spec.settings, sensors={
+            each.name: _with_root(spec.settings.sensors.get(each.name) or each.kind.settings(),
+                                  robot.model.root) for each in self.sensors})
         self._drive_steps = _NEVER
         self._sensors: Dict[str, ScheduledSensor] = {}
         self.missing_sensors: Dict[str, str] = {}
-        for each in sensors:
+        for each in self.sensors:
             self._mount(each, self.settings.sensors[each.name], drive)
         self._enabled = list(self._sensors.values())
         self._steps: Optional[int] = None       # the last ones that it was told of

@@ -1,17 +1,16 @@
 """A robot with its drive and its sensors."""
 import dataclasses
-from typing import Sequence, Tuple, cast
+from typing import Tuple, cast
 
 from img_recog import rotations
-from img_recog.model import Model
 from img_recog.simulation.carrier import Carrier
 from img_recog.simulation.physics.body import Pose
 from img_recog.simulation.physics.drives import make_drive
 from img_recog.simulation.physics.robot import SimulatedRobot
 from img_recog.simulation.physics.world import World
+from img_recog.simulation.robot_spec import RobotSpec
 from img_recog.simulation.sensors.odometry import WORLD, OdometrySettings
-from img_recog.simulation.sensors.sensor import RobotSensor
-from img_recog.simulation.settings import RobotSettings, SpawnSettings, whole_steps
+from img_recog.simulation.settings import SpawnSettings, whole_steps
 
 
 class Vehicle(Carrier):
@@ -21,16 +20,17 @@ class Vehicle(Carrier):
     put somewhere.
     """
 
-    def __init__(self, model: Model, settings: RobotSettings, world: World,
-                 sensors: Sequence[RobotSensor] = ()):
+    def __init__(self, spec: RobotSpec, world: World):
         """Load the robot into a world.
 
         Raises SimulationError when a setting does not fit the robot or the physics; nothing is
         left in the world then.
         """
+        settings = spec.settings
         self.drive = make_drive(settings.drive)
-        robot = SimulatedRobot(model, self.drive.motors, settings.spawn, world.physics_client_id)
-        super().__init__(settings, world, robot, sensors, self.drive)
+        robot = SimulatedRobot(spec.model, self.drive.motors, settings.spawn,
+                               world.physics_client_id)
+        super().__init__(spec, world, robot, self.drive)
         self.robot: SimulatedRobot = robot
         self._lift()
         self._drive_steps = whole_steps('drive_period_s', settings.drive.drive_period_s,

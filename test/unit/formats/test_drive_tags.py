@@ -2,7 +2,6 @@
 import pytest
 
 from img_recog.formats import drive_controllers, drive_tags, urdf
-from img_recog.simulation import assembly
 from img_recog_testing import parsed
 from img_recog_testing.refusals import refusal
 from img_recog_testing.wheeled import controllers, plugin, robot, source
@@ -226,7 +225,7 @@ def test_what_else_is_controlled_is_a_warning():
      'controller base (diff_drive_controller/DiffDriveController: the robot has no joint l);'),
     (plugin('gazebo_ros_tricycle_drive'), {}, 'it has: plugin libgazebo_ros_tricycle_drive.so;')])
 def test_a_robot_without_a_drive_that_is_simulated_is_refused_in_one_line(elements, given, wanted):
-    line = refusal(assembly.default_settings, source(robot(elements), given))
+    line = refusal(source, robot(elements), given)
     assert 'cannot use the robot in robot.urdf: no drive that is simulated; it has: ' in line
     assert wanted in line and 'set left_joint and right_joint' in line
     assert 'diff_drive_controller/DiffDriveController' in line.split(';', 2)[2]

@@ -3,7 +3,7 @@ import numpy as np
 import pytest
 
 from img_recog.model import BOX, CAPSULE, CYLINDER, MESH, SPHERE, Look, Material, Shape
-from img_recog.simulation import assembly
+from img_recog.simulation.robot_spec import read_robot
 from img_recog.simulation.pictures import visual_scene
 from img_recog.simulation.pictures.visual_scene import Parts
 from img_recog_testing.parsed import given
@@ -51,8 +51,8 @@ def test_an_unknown_material_is_named_and_leaves_the_other():
     tag = BLUE.replace('Blue', 'Plaid')
     assert colors(tag.format('a'), tag.format('b')) == (
         {'a': [None, None], 'b': [None]}, ['material Gazebo/Plaid'])
-    robot = assembly.read_robot(burger().replace('</robot>', tag.format('base_link') + '</robot>'),
-                                0.001, lambda uri: None, 'robot.urdf')
+    robot = read_robot(burger().replace('</robot>', tag.format('base_link') + '</robot>'),
+                       0.001, lambda uri: None, 'robot.urdf')
     assert robot.warnings == (
         'robot.urdf: not known or not found, of its materials: material Gazebo/Plaid; those links '
         'keep their other color',)
@@ -88,7 +88,7 @@ def robot(inside):
 
 
 def read(inside):
-    assembly.read_robot(robot(inside), 0.001, lambda uri: '/a.stl', 'robot.urdf')
+    read_robot(robot(inside), 0.001, lambda uri: '/a.stl', 'robot.urdf')
 
 
 @pytest.mark.parametrize('tag', ['visual', 'collision'])

@@ -9,6 +9,7 @@ import pytest
 from img_recog.model import BOX, CYLINDER, MESH, Material, Shape
 from img_recog.simulation.physics import build
 from img_recog.simulation.physics.client import connect
+from img_recog.simulation.robot_spec import RobotSpec
 from img_recog.simulation.settings import RobotSettings, SpawnSettings
 from img_recog.simulation.vehicle import Vehicle
 from img_recog_testing.parsed import given, lumped, part
@@ -162,7 +163,7 @@ def test_robot_weighs_what_it_says_and_stands_and_drives(find, has_meshes):
     toy_model = lumped(TOY, find if has_meshes else lambda uri: None)
     settings = RobotSettings(spawn=SpawnSettings(x_pos=1.0, y_pos=1.0))
     sim.remove(sim.vehicles[0])
-    toy = Vehicle(toy_model, settings, sim.world)
+    toy = Vehicle(RobotSpec('toy', toy_model, settings), sim.world)
     sim.add(toy)
     assert toy.robot.mass() == pytest.approx(0.8 + 2 * 0.03 + 0.1 + 0.005, abs=1e-6)
     sim.advance(2000)

@@ -4,7 +4,6 @@ import re
 import pybullet
 import pytest
 
-from img_recog.simulation import assembly
 from img_recog.simulation.sensors.laser_scanner import ScanSettings
 from img_recog.simulation.sensors.odometry import OdometrySettings
 from img_recog.simulation.settings import DriveSettings, RobotSettings
@@ -77,10 +76,10 @@ def test_where_the_odometry_is_zero(odometry, origin):
 
 
 def test_default_settings_are_those_of_tags_and_else_the_defaults():
-    plain = assembly.default_settings(read(burger()))
+    plain = read(burger()).settings
     assert plain == RobotSettings(sensors=plain.sensors)
     assert plain.sensors['scan'] == ScanSettings()
-    settings = assembly.default_settings(read(burger().replace('</robot>', TAGS)))
+    settings = read(burger().replace('</robot>', TAGS)).settings
     assert settings.drive == DriveSettings(wheel_separation=0.3, wheel_torque=5.0,
                                            wheel_acceleration=0.0, drive_period_s=0.02)
     assert settings.sensors['odometry'].odometry_period_s == pytest.approx(0.02)
@@ -139,7 +138,7 @@ def test_warns_of_what_was_lifted_out_of_the_floor(tmp_path):
     ('0.3</robot>', 'not XML')])
 def test_text_that_cannot_be_used_is_refused_with_its_source(value, words):
     text = burger().replace('</robot>', TAGS.replace('0.3', value))
-    assert refusal(lambda: assembly.default_settings(read(text))).startswith(
+    assert refusal(read, text).startswith(
         'cannot use the robot in robot.urdf: ' + words)
 
 

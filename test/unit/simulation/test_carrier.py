@@ -74,9 +74,9 @@ def test_an_imu_that_falls_feels_nothing():
 
 
 def test_cameras_are_named_by_their_sensors():
-    source, = build(EYE.format(SENSOR.format('cam', 'camera', '<camera/>'))).sources
-    assert source.camera_names == ('cam',)
-    camera, = source.cameras
+    spec = carrier(EYE.format(SENSOR.format('cam', 'camera', '<camera/>'))).spec
+    assert spec.camera_names == ('cam',)
+    camera, = spec.cameras
     assert (camera.camera_frame, camera.camera_x, camera.camera_width) == ('eye', 0.1, 320)
 
 
@@ -125,7 +125,7 @@ def test_a_bumper_and_a_depth_camera_of_a_model_of_a_world(tmp_path):
     touch, = touches[-1]
     assert (touch.own, touch.other) == ('m::l', 'ground_plane::link')
     assert touch.forces.sum(axis=0) == pytest.approx([0, 0, 2 * 9.8], abs=0.5)
-    camera, = built.sources[0].cameras
+    camera, = built.simulator.carriers[0].spec.cameras
     assert (camera.camera_width, camera.camera_x, camera.camera_depth_topic) == (
         32, 0.1, 'depth/image_raw')
     assert file.warnings == (

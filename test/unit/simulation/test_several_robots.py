@@ -18,13 +18,14 @@ PLACES = ((-2.0, -0.5, 0.0), (0.5, 0.55, 1.0), (-0.5, -1.6, 2.0), (1.6, 0.55, -1
           (0.55, -0.55, 3.0), (-0.55, 0.55, -2.0), (-0.55, -0.5, 0.5), (0.5, 1.65, 0.0))
 
 
-def source(name, urdf=None):
-    return assembly.named(read(urdf or burger(), name), name)
+def spec(name, *place, urdf=None, has_place=True, **groups):
+    return read(urdf or burger(), name).renamed(name)._replace(
+        settings=settings(*place, **groups), has_place=has_place)
 
 
 def several(places, world='turtlebot3_world', **groups):
     """Return the simulator of robots tb3_0, tb3_1 and so on at places (x, y, yaw)."""
-    robots = [(source('tb3_{}'.format(number)), settings(*place, **groups))
+    robots = [spec('tb3_{}'.format(number), *place, **groups)
               for number, place in enumerate(places)]
     return assembly.build(PhysicsSettings(world=world), world_file.read(world, WORLDS),
                           robots).simulator
@@ -95,7 +96,7 @@ def test_two_that_meet_see_each_other_in_their_scans(mesh, tmp_path):
 def test_scanners_of_different_numbers_of_rays_are_read_together():
     sim = several([], 'empty')
     for name, x, samples in (('a', 0.0, 360), ('b', 1.0, 720), ('c', -1.0, 360)):
-        assembly.add_robot(sim, source(name), settings(x, 0.0, scan=ScanSettings(
+        assembly.add_robot(sim, spec(name, x, 0.0, scan=ScanSettings(
             scan_samples=samples, scan_noise=0.0)))
     found = scans(sim)
     assert [len(found[name]) for name in 'abc'] == [360, 720, 360]
@@ -117,8 +118,8 @@ def test_one_pushes_the_other():
 def test_places_are_free_and_inside_of_the_walls():
     sim = several([])
     for number in range(16):
-        assembly.add_robot_apart(sim, source('tb3_{}'.format(number)),
-                                 settings(-2.0, -0.5, 0.3), has_place=False)
+        assembly.add_robot_apart(sim, spec('tb3_{}'.format(number), -2.0, -0.5, 0.3,
+                                           has_place=False))
     assert sim.overlaps() == []
     found = np.array([vehicle.robot.motion().position[:2] for vehicle in sim.vehicles])
     assert found[0] == pytest.approx([-2.0, -0.5], abs=1e-6)
@@ -144,11 +145,11 @@ def test_no_place_is_refused_and_leaves_nothing(tmp_path):
     cell.write_text('<sdf version="1.6"><model name="cell"><static>true</static>{}</model></sdf>'
                     .format(walls))
     sim = several([], str(cell))
-    assembly.add_robot_apart(sim, source('a'), settings(0.0, 0.0), has_place=False)
+    assembly.add_robot_apart(sim, spec('a', 0.0, 0.0, has_place=False))
     count = pybullet.getNumBodies(physicsClientId=sim.world.physics_client_id)
     with pytest.raises(SimulationError, match='cannot use the robot in b: there is no free place '
                                               'for it near x 0 m, y 0 m'):
-        assembly.add_robot_apart(sim, source('b'), settings(0.0, 0.0), has_place=False)
+        assembly.add_robot_apart(sim, spec('b', 0.0, 0.0, has_place=False))
     assert len(sim.vehicles) == 1
     assert pybullet.getNumBodies(physicsClientId=sim.world.physics_client_id) == count
 
@@ -157,14 +158,14 @@ def test_a_search_that_begins_in_a_wall_is_refused():
     sim = several([])
     with pytest.raises(SimulationError, match='x 0 m, y 0.1 m, where the search for a free place '
                                               'begins, is too near to a wall'):
-        assembly.add_robot_apart(sim, source('a'), settings(0.0, 0.1), has_place=False)
+        assembly.add_robot_apart(sim, spec('a', 0.0, 0.1, has_place=False))
     assert sim.vehicles == []
 
 
 def test_places_that_are_too_far_away_are_not_free():
     sim = several([], 'empty')
     for name in ('a', 'b', 'c', 'd'):
-        assembly.add_robot_apart(sim, source(name), settings(1000.0, 1000.0), has_place=False)
+        assembly.add_robot_apart(sim, spec(name, 1000.0, 1000.0, has_place=False))
     places = [(each.settings.spawn.x_pos, each.settings.spawn.y_pos) for each in sim.vehicles]
     assert len(set(places)) == 4 and max(map(max, places)) == 1000.0
 
@@ -172,7 +173,7 @@ def test_places_that_are_too_far_away_are_not_free():
 def test_places_are_the_nearest_in_all_directions():
     sim = several([], 'empty')
     for number in range(9):
-        assembly.add_robot_apart(sim, source(str(number)), settings(3.0, -2.0), has_place=False)
+        assembly.add_robot_apart(sim, spec(str(number), 3.0, -2.0, has_place=False))
     places = [(each.settings.spawn.x_pos - 3, each.settings.spawn.y_pos + 2)
               for each in sim.vehicles]
     # 0.25 m is too near to another one
@@ -183,9 +184,9 @@ def test_places_are_the_nearest_in_all_directions():
 @pytest.mark.parametrize('place, other', [((-2.0, -0.45), 'a'), ((0.0, 0.1), 'turtlebot3_world')])
 def test_a_given_place_inside_of_something_is_refused(place, other):
     sim = several([])
-    assembly.add_robot_apart(sim, source('a'), settings(-2.0, -0.5), has_place=True)
+    assembly.add_robot_apart(sim, spec('a', -2.0, -0.5))
     with pytest.raises(SimulationError, match='would start inside of {}'.format(other)):
-        assembly.add_robot_apart(sim, source('b'), settings(*place), has_place=True)
+        assembly.add_robot_apart(sim, spec('b', *place))
     assert [vehicle.robot.name for vehicle in sim.vehicles] == ['a']
 
 
@@ -196,7 +197,7 @@ def test_a_robot_that_fails_leaves_nothing():
     for urdf, scan in ((burger().replace('wheel_left_joint', 'axle'), ScanSettings()),
                        (burger(), ScanSettings(scan_frame='lidar'))):
         with pytest.raises(SimulationError, match='cannot use the robot in b: '):
-            assembly.add_robot(sim, source('b', urdf), settings(1.0, 1.0, scan=scan))
+            assembly.add_robot(sim, spec('b', 1.0, 1.0, urdf=urdf, scan=scan))
     assert pybullet.getNumBodies(physicsClientId=sim.world.physics_client_id) == count
     assert len(sim.vehicles) == 1 and sim.world.revision == revision
 
@@ -222,7 +223,7 @@ def test_the_scan_shows_a_robot_that_replaced_another_with_the_same_id():
     old, revision = sim.vehicles[1].robot.body_id, sim.world.revision
     sim.remove(sim.vehicles[1])
     without_scanner = burger().replace('radius="0.055"', 'radius="0.01"')
-    assembly.add_robot(sim, source('tb3_1', without_scanner), settings(1.0, 0.0))
+    assembly.add_robot(sim, spec('tb3_1', 1.0, 0.0, urdf=without_scanner))
     assert sim.vehicles[1].robot.body_id == old and sim.world.revision == revision + 2
     assert scans(sim)['tb3_0'][0] == pytest.approx(before + 0.045, abs=0.003)
 
@@ -230,6 +231,6 @@ def test_the_scan_shows_a_robot_that_replaced_another_with_the_same_id():
 def test_a_world_without_robots_runs_and_takes_one_later():
     sim = several([], 'empty')
     assert sim.advance(50) == [] and sim.time_s == pytest.approx(0.05)
-    assembly.add_robot(sim, source('late'), settings(0.0, 0.0))
+    assembly.add_robot(sim, spec('late', 0.0, 0.0))
     times = [each.time_s for each in sim.advance(50) if each.sensor == 'odometry']
     assert times == pytest.approx([0.066, 0.099])

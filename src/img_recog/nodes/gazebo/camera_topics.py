@@ -16,7 +16,7 @@ from img_recog import rotations
 from img_recog.conversions import camera_info_msgs, depth_msgs, robot_cameras, robot_msgs
 from img_recog.errors import UserError
 from img_recog.nodes.compressed_images import CompressedImages
-from img_recog.nodes.gazebo.names import topic_fields
+from img_recog.simulation.names import topic_fields
 from img_recog.rendering import rays
 from img_recog.rendering.server import Picture, Shot
 from img_recog.ros.transport.direct_publisher import DirectPublisher

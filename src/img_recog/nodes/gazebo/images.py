@@ -8,11 +8,10 @@ import rospy
 from diagnostic_updater import DiagnosticStatusWrapper
 
 from img_recog.errors import UserError
-from img_recog.nodes.gazebo import camera_topics
 from img_recog.nodes.gazebo.camera_topics import CameraTopics, optical_transform
 from img_recog.nodes.gazebo.image_process import ImageProcess
 from img_recog.nodes.gazebo.lockstep import Lockstep
-from img_recog.nodes.gazebo.names import Names
+from img_recog.simulation.names import Names
 from img_recog.nodes.gazebo.static_transforms import StaticTransforms
 from img_recog.nodes.gazebo.view import ViewTopic
 from img_recog.rendering.server import Picture, Shot
@@ -74,12 +73,6 @@ class Images:
         # written by the thread that publishes
         self._drawn: Optional[_Exposed] = None
         self._published: Optional[_Exposed] = None
-
-    def check_cameras(self, cameras: Sequence[CameraSettings], names: Names) -> None:
-        """Raise a UserError if the topics of more cameras cannot be used."""
-        camera_topics.check(itertools.chain(
-            (topics.settings for _, topics in self._cameras.values()),
-            (names.seen(each) for each in cameras)))
 
     def add_cameras(self, vehicle: Carrier, cameras: Sequence[CameraSettings],
                     names: Names) -> None:

@@ -16,7 +16,7 @@ from img_recog.errors import SimulationError, UserError, one_line
 from img_recog.formats import drive_tags, model_file, names
 from img_recog.model import Tree
 from img_recog.nodes.gazebo.physics_services import RuntimeSettings, ServiceCalls
-from img_recog.nodes.gazebo.robot_plans import RobotPlans
+from img_recog.nodes.gazebo.robot_reader import RobotReader
 from img_recog.nodes.gazebo.robots import Robots
 from img_recog.ros.log.throttle import ThrottledWarning
 from img_recog.rotations import Transform
@@ -51,12 +51,12 @@ class ModelServices:
     Must be created only when nothing is MISSING.
     """
 
-    def __init__(self, simulator: Simulator, models: Models, robots: Robots, plans: RobotPlans,
+    def __init__(self, simulator: Simulator, models: Models, robots: Robots, reader: RobotReader,
                  calls: ServiceCalls, pace: Pace, set_factor: Callable[[float], Any]):
         """Advertise. set_factor: sets the real time factor."""
         self._set_factor = set_factor
         self._simulator, self._models, self._robots = simulator, models, robots
-        self._plans, self._calls, self._pace = plans, calls, pace
+        self._reader, self._calls, self._pace = reader, calls, pace
         self._states = rospy.Publisher('~model_states', ModelStates, queue_size=10)
         self._warn = ThrottledWarning()
         services = {'get_model_state': (GetModelState, self._get),
@@ -118,7 +118,7 @@ class ModelServices:
         name, frame = request.model_name, frame_of(request.reference_frame)
         state = _state_of(request.initial_pose, Twist())
         # read in the thread of the service: the simulation goes on meanwhile
-        if self._plans.is_robot(request.model_xml, request.robot_namespace.strip('/')):
+        if self._reader.is_robot(request.model_xml, request.robot_namespace.strip('/')):
             add = self._robot_adder(name, request, state, frame)
         else:
             trees = model_file.read(request.model_xml, name, resources.find, rospy.logwarn)
@@ -134,7 +134,7 @@ class ModelServices:
                          frame: str) -> Callable[[], None]:
         pose = self._calls.call(lambda: self._models.pose_in_world(state, frame)) @ tree.pose
         self._start(pose)
-        return partial(self._robots.add, self._plans.spawned_sdf(
+        return partial(self._robots.add, self._reader.spawned_sdf(
             tree._replace(pose=pose), request.robot_namespace.strip('/')))
 
     def _robot_adder(self, name: str, request: Any, state: State,
@@ -142,9 +142,8 @@ class ModelServices:
         """Return what adds a robot that has a drive: it gets topics in its namespace."""
         names.check_model(name)
         pose = self._calls.call(lambda: self._models.pose_in_world(state, frame))
-        plan = self._plans.spawned(name, request.model_xml, request.robot_namespace.strip('/'),
-                                   self._start(pose))
-        return partial(self._robots.add, plan)
+        return partial(self._robots.add, self._reader.spawned(
+            name, request.model_xml, request.robot_namespace.strip('/'), self._start(pose)))
 
     def _add(self, name: str, trees: Sequence[Tree], state: State, frame: str) -> None:
         count = len(self._simulator.world.bodies)

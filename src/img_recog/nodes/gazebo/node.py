@@ -31,18 +31,15 @@ real_time_factor and view.
 Reads: robot_description, NAME/robot_description, NAME/tf_prefix, ~robots, and the fields of all
 settings of the simulation as private parameters.
 """
-import itertools
 import time
-from typing import Optional, Sequence, Union
+from typing import Sequence, Union
 
 import cv2
 import rospy
 from diagnostic_updater import DiagnosticStatusWrapper
 
-from img_recog import resources, robot_file
+from img_recog import assemble
 from img_recog.conversions.plane_msgs import PlanePose
-from img_recog.conversions.sensor_table import SENSORS
-from img_recog.formats import world_file
 from img_recog.nodes.gazebo import model_services
 from img_recog.nodes.gazebo.clock import SimulatedClock
 from img_recog.nodes.gazebo.diagnostics import SimulationDiagnostics
@@ -53,17 +50,16 @@ from img_recog.nodes.gazebo.lockstep_settings import LockstepSettings
 from img_recog.nodes.gazebo.model_services import ModelServices
 from img_recog.nodes.gazebo.outlines import Outlines
 from img_recog.nodes.gazebo.physics_services import RuntimeSettings, ServiceCalls, serve_physics
-from img_recog.nodes.gazebo.robot_plans import (ROBOTS, RobotPlan, RobotPlans, RobotsSettings,
-                                                robot_settings_classes)
-from img_recog.nodes.gazebo.robots import WORLD_FRAME, Robots, RobotUpdates
+from img_recog.nodes.gazebo.robot_reader import (ROBOTS, RobotReader, RobotsSettings,
+                                                 robot_settings_classes)
+from img_recog.nodes.gazebo.robot_updates import RobotUpdates
+from img_recog.nodes.gazebo.robots import WORLD_FRAME, Robots
 from img_recog.nodes.gazebo.static_transforms import StaticTransforms
 from img_recog.nodes.gazebo.stepping import Stepping, SteppingSettings
 from img_recog.nodes.gazebo.waiting import Waiting
 from img_recog.ros import lifecycle, parameters
 from img_recog.ros.diagnostics import NodeDiagnostics
 from img_recog.ros.reconfigure import Reconfigurable
-from img_recog.simulation import assembly
-from img_recog.simulation.assembly import Assembly
 from img_recog.simulation.models import Models
 from img_recog.simulation.pacing import Pace, timeout_scale
 from img_recog.simulation.settings import PhysicsSettings, ViewSettings, whole_steps
@@ -90,9 +86,12 @@ class Gazebo:
         parameters.warn_of_unknown(PhysicsSettings, ViewSettings, RobotsSettings,
                                    LockstepSettings, SteppingSettings,
                                    *robot_settings_classes(), also_known=[ROBOTS[1:]])
-        plans = RobotPlans(physics.step_s)
-        single = None if which.several_robots else plans.single()
-        built = _build(physics, single)
+        reader = RobotReader(physics.step_s)
+        single = None if which.several_robots else reader.single()
+        built = assemble.simulator(physics, [] if single is None else [single],
+                                   with_sensors=True, with_drives=True)
+        for warning in built.warnings:
+            rospy.logwarn('%s', warning)
         self._simulator = built.simulator
         self._simulator.warn = lambda line: rospy.logwarn('%s', line)
         self._pace = Pace(physics.real_time_factor)
@@ -114,16 +113,15 @@ class Gazebo:
         self._waiting = Waiting(self._simulator, self._images, self._robots, self._lockstep)
         frame, origin = WORLD_FRAME, PlanePose(0.0, 0.0, 0.0)
         if single is None:
-            RobotUpdates(self._robots, plans, self._calls)
+            RobotUpdates(self._robots, reader, self._calls)
         else:
             vehicle = self._simulator.vehicles[0]
             self._robots.connect(vehicle, single)
             frame, origin = vehicle.odometry.odom_frame, PlanePose(*vehicle.odometry_origin)
             if self._lockstep is not None:
                 self._lockstep.check(vehicle.sensor_kinds)
-        of_world = 0 if single is None else 1
-        for carrier, source in list(zip(self._simulator.carriers, built.sources))[of_world:]:
-            self._robots.connect_model(carrier, plans.of_model(source, carrier.settings))
+        for carrier in self._simulator.carriers[0 if single is None else 1:]:
+            self._robots.connect_model(carrier)
         if self._lockstep is not None:
             self._lockstep.subscribe()
         self._reconfigurable = Reconfigurable(
@@ -135,7 +133,7 @@ class Gazebo:
                           model_services.MISSING)
         else:
             self._states = (
-                ModelServices(self._simulator, models, self._robots, plans, self._calls,
+                ModelServices(self._simulator, models, self._robots, reader, self._calls,
                               self._pace, lambda factor: self._reconfigurable.
                               update_configuration({'real_time_factor': factor})),
                 LinkServices(self._simulator, models, self._calls))
@@ -250,18 +248,6 @@ class Gazebo:
         # at once: while the physics is paused, no step publishes it
         self._clock.add()
         self._clock.flush()
-
-
-def _build(physics: PhysicsSettings, single: Optional[RobotPlan]) -> Assembly:
-    """Build the simulator of a world, with the robot if there is a single one; log warnings."""
-    world = world_file.read(physics.world, resources.worlds(), resources.find,
-                            physics.allow_partial_world, read_file=robot_file.read_any)
-    robots = [] if single is None else [single]
-    built = assembly.build(physics, world, [(each.source, each.settings) for each in robots],
-                           kinds=SENSORS, with_drives=True)
-    for warning in itertools.chain(*(each.source.warnings for each in robots), built.warnings):
-        rospy.logwarn('%s', warning)
-    return built
 
 
 def main() -> int:

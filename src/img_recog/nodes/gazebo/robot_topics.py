@@ -11,12 +11,12 @@ from img_recog.conversions.plane_msgs import PlanePose, PoseError
 from img_recog.errors import SimulationError
 from img_recog.nodes.gazebo.diagnostics import CommandCounts
 from img_recog.nodes.gazebo.lockstep import Lockstep
-from img_recog.nodes.gazebo.names import Names
 from img_recog.nodes.gazebo.physics_services import ServiceCalls
 from img_recog.ros.log.throttle import Throttle, ThrottledWarning
 from img_recog.ros.queues import LatestValue
 from img_recog.ros.transport.direct_publisher import DirectPublisher
 from img_recog.simulation.carrier import Carrier, Reading
+from img_recog.simulation.robot_spec import RobotSpec
 from img_recog.simulation.sensors.motion_state import MotionState
 from img_recog.simulation.sensors.sensor import SensorKind
 from img_recog.simulation.vehicle import Vehicle
@@ -77,10 +77,10 @@ class SensorTopics:
 
     _always_read: Set[str] = set()
 
-    def __init__(self, carrier: Carrier, names: Names, lockstep: Optional[Lockstep] = None):
-        """Advertise; lockstep: waits for answers."""
-        self.carrier = carrier
-        settings = carrier.settings.sensors
+    def __init__(self, carrier: Carrier, spec: RobotSpec, lockstep: Optional[Lockstep] = None):
+        """Advertise; spec: with the names that others see; lockstep: waits for answers."""
+        self.carrier, self.spec = carrier, spec
+        names, settings = spec.names, carrier.settings.sensors
         self._publishers: Dict[str, DirectPublisher] = {}
         self._outputs: Dict[str, _Output] = {}
         for each in carrier.sensors:
@@ -131,14 +131,14 @@ class RobotTopics(SensorTopics):
 
     _always_read = {'odometry'}         # it is also for tf and the log
 
-    def __init__(self, vehicle: Vehicle, names: Names, transforms: Transforms,
+    def __init__(self, vehicle: Vehicle, spec: RobotSpec, transforms: Transforms,
                  calls: ServiceCalls, lockstep: Optional[Lockstep] = None):
         """Advertise and subscribe; transforms: publishes the pose.
 
         lockstep: waits for answers, which commands may be.
         """
-        super().__init__(vehicle, names, lockstep)
-        self._vehicle, self._names, self._calls = vehicle, names, calls
+        super().__init__(vehicle, spec, lockstep)
+        self.vehicle, self._calls, names = vehicle, calls, spec.names
         self._is_lockstep = lockstep is not None
         self._counts = CommandCounts()
         self._motion_state, self._log_throttle = MotionState(), Throttle(_LOG_PERIOD_S)
@@ -185,15 +185,15 @@ class RobotTopics(SensorTopics):
     def _move(self, pose: PlanePose, is_in_odometry: bool) -> None:
         if not self._is_closed:
             self.discard_command()
-            origin = PlanePose(*self._vehicle.odometry_origin)
-            self._vehicle.move_to(*(origin.compose(pose) if is_in_odometry else pose))
+            origin = PlanePose(*self.vehicle.odometry_origin)
+            self.vehicle.move_to(*(origin.compose(pose) if is_in_odometry else pose))
 
     def apply_command(self) -> None:
         """Apply the newest command."""
         self._log_timeout()
         command = self._commands.take()
         if command is not None:
-            self._vehicle.command(*command)
+            self.vehicle.command(*command)
 
     def publish(self, readings: Sequence[Reading]) -> None:
         """Publish readings of the sensors of the vehicle, in order of time."""
@@ -208,13 +208,13 @@ class RobotTopics(SensorTopics):
         msg = super()._add(reading)
         if is_pose:
             self._log_motion_change(reading)
-            if self._vehicle.odometry.publish_odom_tf:
+            if self.vehicle.odometry.publish_odom_tf:
                 self._transforms.add(robot_msgs.transform_of(msg, self._transform))
         return msg
 
     def report(self, status: DiagnosticStatusWrapper) -> None:
         """Add the counters to a status; to be called once in each period."""
-        drive = self._vehicle.drive
+        drive = self.vehicle.drive
         self._counts.report(status, drive.timeout_s, drive.timed_out)
 
     def discard_command(self) -> None:
@@ -222,11 +222,11 @@ class RobotTopics(SensorTopics):
         self._commands.take()
 
     def _log_timeout(self) -> None:
-        timed_out = self._vehicle.drive.timed_out
+        timed_out = self.vehicle.drive.timed_out
         if timed_out and not self._timed_out:
             rospy.logwarn('no command on %s for %g s of simulated time: %s is stopped',
-                          self._command_topic, self._vehicle.drive.timeout_s,
-                          self._names.words)
+                          self._command_topic, self.vehicle.drive.timeout_s,
+                          self.spec.names.words)
         self._timed_out = timed_out
 
     def _log_motion_change(self, reading: Reading) -> None:
@@ -234,7 +234,7 @@ class RobotTopics(SensorTopics):
         if self._log_throttle.ready(reading.time_s if self._is_lockstep else None):
             change = self._motion_state.update(reading.value)
             if change is not None:
-                rospy.loginfo('%s %s, at x %.2f m, y %.2f m', self._names.words, change,
+                rospy.loginfo('%s %s, at x %.2f m, y %.2f m', self.spec.names.words, change,
                               *reading.value.position[:2])
 
     def close(self) -> None:

@@ -4,10 +4,9 @@ from unittest import mock
 
 import pytest
 
-from img_recog.errors import UserError
 from img_recog.nodes.gazebo import view
 from img_recog.nodes.gazebo.images import Images
-from img_recog.nodes.gazebo.names import Names
+from img_recog.simulation.names import Names
 from img_recog.simulation.pictures.view import ABOVE, follow, horizontal_fov
 from img_recog.simulation.settings import CameraSettings, ViewSettings
 from img_recog_testing import robots
@@ -192,13 +191,6 @@ def test_cameras_of_a_robot_that_is_removed(rig, publishers):
     assert publishers['eye/image'].is_ended and publishers['back/info'].is_ended
     rig.images.draw(readings, rig.publish_others)
     assert rig.process.requests == []
-    rig.images.check_cameras([CAMERA], Names())
-
-
-def test_cameras_with_the_topics_of_others_are_refused(rig):
-    with pytest.raises(UserError, match='the topic eye/image is camera_image_topic of the camera'):
-        rig.images.check_cameras([CAMERA], Names())
-    rig.images.check_cameras([CAMERA], Names('robot2', 'robot2'))
 
 
 def test_the_names_of_a_namespace(rig, publishers):

@@ -49,8 +49,8 @@ def build(base=BASE, wheel=WHEEL, caster='', roll='1.5707963', more='</robot>', 
             side=side, wheel=wheel, roll=roll.format(side=side)) for side in (1, -1)),
         casters=''.join(CASTER.format(side=side, caster=caster) for side in (1, -1)))
     robot = read(urdf.replace('</robot>', more))
-    robots = [] if is_model else [(robot, assembly.default_settings(robot))]
-    built = assembly.build(PhysicsSettings(world='empty'), world_file.read('empty', {}), robots)
+    built = assembly.build(PhysicsSettings(world='empty'), world_file.read('empty', {}),
+                           [] if is_model else [robot])
     if is_model:
         built.simulator.world.add([Tree('cart', robot.model)])
     return built.simulator, robot.warnings

@@ -108,9 +108,9 @@ def test_its_velocity_is_kept_when_it_is_lifted(world):
 @pytest.mark.parametrize('has_place', [True, False])
 def test_robots_are_added_on_a_floor_above_zero(world, has_place):
     sim = assemble(world('mesh', 0.02), 1.0, 1.0).simulator
-    robot = assembly.named(read(burger()), 'second')
     place = (0.0, 0.0) if has_place else (1.0, 1.0)
-    warning, = assembly.add_robot_apart(sim, robot, settings_of(*place), has_place)
+    warning, = assembly.add_robot_apart(sim, read(burger()).renamed('second')._replace(
+        settings=settings_of(*place), has_place=has_place))
     assert warning.startswith('second: ') and warning.endswith(' by 0.020 m')
     first, second = (vehicle.robot.motion().position for vehicle in sim.vehicles)
     assert second[2] == pytest.approx(0.02, abs=0.001)

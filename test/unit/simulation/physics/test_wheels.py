@@ -7,7 +7,6 @@ import numpy as np
 import pytest
 
 from img_recog.model import BOX, Shape, Solid
-from img_recog.simulation import assembly
 from img_recog.simulation.physics import wheels
 from img_recog.simulation.physics.wheels import Wheels
 from img_recog.simulation.settings import DriveSettings
@@ -37,7 +36,7 @@ def measure(urdf, **settings):
 
 
 def drive_of(urdf):
-    return assembly.default_settings(read(urdf)).drive
+    return read(urdf).settings.drive
 
 
 def test_the_burgers_are_the_defaults():

@@ -6,6 +6,7 @@ import pytest
 from img_recog.conversions.sensor_table import SENSORS
 from img_recog.formats import world_file
 from img_recog.simulation import assembly
+from img_recog.simulation.robot_spec import read_robot
 from img_recog.simulation.sensors import contact_sensor
 from img_recog.simulation.settings import PhysicsSettings
 from img_recog_testing import robots
@@ -31,11 +32,9 @@ def simulator(tmp_path):
     wall.write_text(WALL)
     urdf = robots.burger().replace(
         '</robot>', BAR.format('bar', 0.11) + BAR.format('back', -0.2) + TAG + '</robot>')
-    robot = assembly.read_robot(urdf, 0.001, lambda uri: None, 'robot', KINDS)
-    settings = assembly.default_settings(robot)
+    robot = read_robot(urdf, 0.001, lambda uri: None, 'robot', KINDS)
     return assembly.build(PhysicsSettings(world=str(wall)), world_file.read(str(wall), {}), [
-        (robot, settings.__class__(robots.settings_of(x=0.7).spawn, settings.drive,
-                                   settings.noise, settings.sensors))]).simulator
+        robot.changed(spawn=robots.settings_of(x=0.7).spawn)]).simulator
 
 
 def touches(sim, steps):
@@ -72,11 +71,11 @@ def test_its_shapes_move_with_the_link_that_it_is_fixed_to(simulator):
 def test_without_its_message_a_bumper_is_reported_with_the_reason():
     kinds = tuple(kind._replace(missing='no x' if kind.name == 'contact' else '')
                   for kind in SENSORS)
-    robot = assembly.read_robot(robots.burger().replace(
+    robot = read_robot(robots.burger().replace(
         '</robot>', BAR.format('bar', 0.11) + TAG + '</robot>'), 0.001, lambda uri: None,
         'robot', kinds)
     assert 'sensor contact (no x)' in robot.not_simulated
-    assert 'contact' not in assembly.default_settings(robot).sensors
+    assert 'contact' not in robot.settings.sensors
 
 
 @pytest.mark.parametrize('names', [('slides', 'floor'), ('floor', 'slides')])

@@ -39,12 +39,9 @@ def built(tmp_path, *tags, height=1):
     wall = tmp_path / 'wall.sdf'
     wall.write_text(WALL.format(height))
     urdf = robots.burger().replace('</robot>', LINK + ''.join(tags) + '</robot>')
-    robot = robots.read(urdf)
-    settings = assembly.default_settings(robot)
-    settings = settings.__class__(robots.settings_of(x=0.5).spawn, settings.drive, settings.noise,
-                                  settings.sensors)
+    robot = robots.read(urdf).changed(spawn=robots.settings_of(x=0.5).spawn)
     return assembly.build(PhysicsSettings(world=str(wall)), world_file.read(str(wall), {}),
-                          [(robot, settings)]).simulator
+                          [robot]).simulator
 
 
 def readings(sim, steps=100):

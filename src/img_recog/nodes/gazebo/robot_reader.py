@@ -1,27 +1,25 @@
 """Reads what robots are made from: their URDF and their parameters."""
-import dataclasses
 from dataclasses import dataclass
 from functools import partial
-from typing import Any, List, NamedTuple, Sequence, Tuple
+from typing import Any, List, Sequence, Tuple
 
 import rosgraph
 import rospy
 
-from img_recog import resources
+from img_recog import assemble
 from img_recog.conversions.sensor_table import SENSORS
 from img_recog.errors import SimulationError, shortened
 from img_recog.formats import model_file
 from img_recog.formats.texts import text_of
 from img_recog.model import Tree
 from img_recog.nodes.gazebo import controllers
-from img_recog.nodes.gazebo.names import Names, topic_fields
 from img_recog.ros import parameters
-from img_recog.settings import (ParameterError, Settings, from_mapping, setting, setting_fields,
-                                unknown)
-from img_recog.simulation import assembly
-from img_recog.simulation.assembly import RobotSource
+from img_recog.settings import ParameterError, Settings, setting, setting_fields, unknown
+from img_recog.simulation import robot_spec
+from img_recog.simulation.names import Names, topic_fields
+from img_recog.simulation.robot_spec import RobotSpec
 from img_recog.simulation.settings import (CameraSettings, DriveSettings, NoiseSettings,
-                                           RobotSettings, SpawnSettings)
+                                           SpawnSettings)
 
 ROBOTS = '~robots'
 _MAX_NAME = 100         # characters
@@ -41,52 +39,16 @@ class RobotsSettings(Settings):
     world_tf: bool = setting(False)
 
 
-class RobotPlan(NamedTuple):
-    """All that a robot is made from.
-
-    has_place: whether it starts where its settings say; else that is where the nearest free place
-    is searched.
-    """
-
-    source: RobotSource
-    settings: RobotSettings
-    cameras: Sequence[CameraSettings]
-    names: Names
-    has_place: bool = True
-
-    @property
-    def name(self) -> str:
-        """The name of the robot."""
-        return self.source.model.name
-
-    @property
-    def command_topic(self) -> str:
-        """The resolved name of the topic of its commands."""
-        return rospy.resolve_name(self.names.topic(self.settings.drive.command_topic))
-
-    def published(self) -> List[str]:
-        """Return the resolved names of the topics of the sensors.
-
-        Sensors of a kind can share one, like in Gazebo.
-        """
-        cameras = [getattr(camera, field) for camera in self.cameras
-                   for field in topic_fields(camera)]
-        sensors = [topic for topic, _ in dict.fromkeys(
-            (each.kind.topic(self.settings.sensors[each.name]), each.kind.msg_type)
-            for each in self.source.sensors)]
-        return [rospy.resolve_name(self.names.topic(topic)) for topic in cameras + sensors]
-
-
-class RobotPlans:
-    """Makes plans of robots from parameters."""
+class RobotReader:
+    """Reads robots from parameters and services."""
 
     def __init__(self, step_s: float):
         """step_s: of the physics."""
         self._step_s = step_s
 
-    def single(self) -> RobotPlan:
-        """Return the plan of the robot in robot_description and the private parameters."""
-        return self._plan('', parameters.robot_description(), 'robot_description', Names(),
+    def single(self) -> RobotSpec:
+        """Return the robot in robot_description and the private parameters."""
+        return self._read('', parameters.robot_description(), 'robot_description', Names(),
                           _NO_NAMESPACE)
 
     def names(self) -> List[str]:
@@ -102,13 +64,13 @@ class RobotPlans:
         return sorted(robots or {}, key=_natural)
 
     def snapshot(self, name: str) -> Tuple[Any, ...]:
-        """Return what differs when another plan of the robot is to be made."""
+        """Return what differs when the robot is to be read again."""
         return (parameters.value('{}/{}'.format(ROBOTS, name)),
                 parameters.value(name + '/robot_description'),
                 parameters.value(name + '/tf_prefix'))
 
-    def named(self, name: str) -> RobotPlan:
-        """Return the plan of a robot in ~robots.
+    def named(self, name: str) -> RobotSpec:
+        """Return a robot of ~robots.
 
         Its URDF is NAME/robot_description, or robot_description; the private parameters hold
         where it has none.
@@ -130,12 +92,11 @@ class RobotPlans:
                 '{}/{}'.format(namespace, wrong))))
         described = name + '/robot_description'
         has_urdf = parameters.value(described) is not None
-        plan = self._plan(
+        spec = self._read(
             name, parameters.robot_description(described if has_urdf else ''),
             rospy.resolve_name(described) if has_urdf else 'robot_description',
             names_of(name, name), namespace)
-        return plan._replace(
-            settings=plan.settings if 'seed' in own else _with_seed(plan.settings, name),
+        return (spec if 'seed' in own else spec.with_own_noise())._replace(
             has_place='x_pos' in own or 'y_pos' in own)
 
     def is_robot(self, text: str, namespace: str) -> bool:
@@ -148,54 +109,48 @@ class RobotPlans:
         except SimulationError:
             return False        # a model that is read otherwise, or refused
 
-    def spawned(self, name: str, urdf: str, namespace: str, spawn: SpawnSettings) -> RobotPlan:
-        """Return the plan of a robot that a service adds at a place.
+    def spawned(self, name: str, urdf: str, namespace: str, spawn: SpawnSettings) -> RobotSpec:
+        """Return a robot that a service adds at a place.
 
         Raises a UserError naming what is wrong.
         """
         _check_namespace(namespace)
-        plan = self._plan(name, urdf, 'the model ' + name,
+        spec = self._read(name, urdf, 'the model ' + name,
                           names_of(namespace, namespace) if namespace else Names(), _NO_NAMESPACE)
-        return plan._replace(settings=dataclasses.replace(_with_seed(plan.settings, name),
-                                                          spawn=spawn))
+        return spec.with_own_noise().changed(spawn=spawn)
 
-    @staticmethod
-    def of_model(source: RobotSource, settings: RobotSettings, namespace: str = '') -> RobotPlan:
-        """Return the plan of a model of an SDF that drives, or has sensors.
-
-        namespace: of its topics, by default that of its first plugin.
-        """
-        plugins = [tag.element.find('plugin') for tag in source.model.tags if not tag.link]
-        space = namespace or next((text_of(plugin, 'robotNamespace').strip('/')
-                                   for plugin in plugins), '')
-        return RobotPlan(source, settings, source.cameras,
-                         names_of(space, '') if space else Names())
-
-    def spawned_sdf(self, tree: Tree, namespace: str) -> RobotPlan:
-        """Return the plan of a model of an SDF that a service adds; errors as for `spawned`."""
+    def spawned_sdf(self, tree: Tree, namespace: str) -> RobotSpec:
+        """Return a robot of an SDF that a service adds; errors as for `spawned`."""
         _check_namespace(namespace)
-        source = assembly.read_model(tree.model, self._step_s, SENSORS)
-        return self.of_model(source, assembly.settings_of_model(source, from_mapping, tree),
-                             namespace)
+        return in_namespace(robot_spec.read_model(tree, self._step_s, SENSORS), namespace)
 
-    def _plan(self, name: str, urdf: str, source: str, names: Names,
-              namespace: str) -> RobotPlan:
+    def _read(self, name: str, urdf: str, source: str, names: Names,
+              namespace: str) -> RobotSpec:
         """name: '' for that in the URDF; namespace: of its own parameters, '' for none."""
-        robot = assembly.read_robot(urdf, self._step_s, resources.find, source, SENSORS,
-                                    partial(controllers.read, names))
-        if name:
-            robot = assembly.named(robot, name)
         spaces = namespace or '~', '~'
-        settings = assembly.settings_of(robot, lambda settings_class, values: parameters.read(
-            settings_class, values, *spaces))
-        for each in (settings.drive, *settings.sensors.values()):
+        spec = assemble.robot_of(
+            urdf, source, self._step_s, partial(controllers.read, names),
+            lambda settings_class, values: parameters.read(settings_class, values, *spaces))
+        for each in (spec.settings.drive, *spec.settings.sensors.values()):
             for field in topic_fields(each):
                 if not rosgraph.names.is_legal_name(getattr(each, field)):
                     raise ParameterError('parameter {}: got {}, allowed is a valid topic name'
                                          .format(field, shortened(repr(getattr(each, field)))))
         camera = parameters.read(CameraSettings, {}, *spaces)
-        cameras = [*robot.cameras, *([camera] if camera.camera_frame else [])]
-        return RobotPlan(robot, settings, cameras, names)
+        spec = spec._replace(names=names, cameras=(
+            *spec.cameras, *([camera] if camera.camera_frame else [])))
+        return spec.renamed(name) if name else spec
+
+
+def in_namespace(spec: RobotSpec, namespace: str = '') -> RobotSpec:
+    """Return a model of an SDF that drives, or has sensors, with the names that others see.
+
+    namespace: of its topics, by default that of its first plugin.
+    """
+    plugins = [tag.element.find('plugin') for tag in spec.model.tags if not tag.link]
+    space = namespace or next((text_of(plugin, 'robotNamespace').strip('/')
+                               for plugin in plugins), '')
+    return spec._replace(names=names_of(space, '')) if space else spec
 
 
 def _check_namespace(namespace: str) -> None:
@@ -215,10 +170,6 @@ def robot_settings_classes() -> Sequence[type]:
     """Return the classes of all parameters that a robot reads."""
     return [SpawnSettings, DriveSettings, NoiseSettings, CameraSettings,
             *(kind.settings for kind in SENSORS if not kind.only_in_tags)]
-
-
-def _with_seed(settings: RobotSettings, name: str) -> RobotSettings:
-    return dataclasses.replace(settings, noise=settings.noise.of(name))
 
 
 def _natural(name: str) -> Tuple[str, int, str]:

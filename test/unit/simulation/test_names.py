@@ -1,5 +1,5 @@
 """The names of the topics and frames of one of several robots."""
-from img_recog.nodes.gazebo.names import Names
+from img_recog.simulation.names import Names
 from img_recog.simulation.settings import CameraSettings
 
 CAMERA = CameraSettings(camera_frame='camera_link', camera_image_topic='eye/image',

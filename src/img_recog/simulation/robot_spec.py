@@ -1,0 +1,206 @@
+"""What a robot, or a model with sensors, is made from: its file and its settings."""
+import dataclasses
+import xml.etree.ElementTree as ElementTree
+from typing import Any, Callable, Iterator, Mapping, NamedTuple, Sequence, Tuple, Union
+
+from img_recog import rotations
+from img_recog.errors import SimulationError, shortened
+from img_recog.files import FindFile
+from img_recog.formats import (audit, camera_tags, drive_controllers, drive_tags, gazebo_tags,
+                               lumping, urdf as urdf_file)
+from img_recog.formats.audit import Finding
+from img_recog.formats.drive_controllers import FindControllers
+from img_recog.mesh_file import READABLE
+from img_recog.model import Model, Tree
+from img_recog.settings import SettingError, from_mapping
+from img_recog.simulation.names import Names
+from img_recog.simulation.physics import wheels
+from img_recog.simulation.sensors import robot_camera
+from img_recog.simulation.sensors.sensor import RobotSensor, SensorKind, sensors_of
+from img_recog.simulation.settings import (CameraSettings, DriveSettings, NoiseSettings,
+                                           RobotSettings, SpawnSettings, names_in)
+
+# read(settings class, values) returns the settings that the user gives, else those in `values`,
+# by name: those of tags, and as the URDF has them, the separation and the diameter of the wheels
+ReadSettings = Callable[[type, Mapping[str, Any]], Any]
+
+
+class RobotSpec(NamedTuple):
+    """A robot, or a model with sensors.
+
+    source: what messages call its text, like robot_description or the path of a file; sensors:
+    all but cameras; tag_values: the settings in its <gazebo> tags of what is there once and of the
+    first sensor of each kind, by name; cameras: those in its tags, and camera_names: of their
+    <sensor>s; warnings: a line each; not_simulated: what is in its tags; findings: what else
+    is not done as asked. names: of its topics and frames. has_place: whether it starts where its
+    settings say; else that is where the nearest free place is searched.
+    """
+
+    source: str
+    model: Model
+    settings: RobotSettings = RobotSettings()
+    sensors: Sequence[RobotSensor] = ()
+    tag_values: Mapping[str, Any] = {}
+    cameras: Sequence[CameraSettings] = ()
+    warnings: Tuple[str, ...] = ()
+    not_simulated: Tuple[str, ...] = ()
+    findings: Tuple[Finding, ...] = ()
+    camera_names: Tuple[str, ...] = ()
+    names: Names = Names()
+    has_place: bool = True
+
+    @property
+    def name(self) -> str:
+        """The name of the robot."""
+        return self.model.name
+
+    def renamed(self, name: str) -> 'RobotSpec':
+        """Return the robot with another name."""
+        return self._replace(model=dataclasses.replace(self.model, name=name))
+
+    def changed(self, **settings: Any) -> 'RobotSpec':
+        """Return the robot with other settings, by the names of the fields of RobotSettings."""
+        return self._replace(settings=dataclasses.replace(self.settings, **settings))
+
+    def with_own_noise(self) -> 'RobotSpec':
+        """Return the robot with noise that is not that of robots with other names."""
+        return self.changed(noise=self.settings.noise.of(self.name))
+
+
+def read_robot(urdf: Union[str, ElementTree.Element], step_s: float, find: FindFile, source: str,
+               kinds: Sequence[SensorKind] = (),
+               controllers: FindControllers = drive_controllers.none,
+               read: ReadSettings = from_mapping) -> RobotSpec:
+    """Read a URDF.
+
+    urdf: its text, or what was parsed of it. step_s: of the physics. find: returns the path of the
+    URI of a mesh or a texture. source: see RobotSpec. kinds: of the sensors that it can have.
+    controllers: returns those of ros_control that it can have.
+    Raises SimulationError naming the source when it is not a URDF that can be simulated, or the
+    value of a tag is not allowed.
+    """
+    try:
+        root = urdf_file.root_of(urdf)
+        model = lumping.lumped(urdf_file.read(root, find, controllers))
+        drive = drive_tags.find(root, step_s, controllers)
+        tags, unused = urdf_file.used_tags(root, model)
+        found = gazebo_tags.read(tags, step_s, (*([drive.tags] if drive else ()),
+                                                *(kind.read_tags for kind in kinds)))
+        cameras, of_cameras = camera_tags.read(tags, model.frames)
+        camera_settings = tuple(map(robot_camera.settings_of, cameras))
+        findings = audit.merged([*audit.audit(root), *(Finding(
+            audit.NOT_USED, 'the <gazebo> tag, as there is no such link,', (name,))
+            for name in unused)])
+        moving = [joint.name for joint in model.joints]
+        stray = ['joint {} of a joint state publisher'.format(name) for name in names_in(
+            found.values.get('joint_states_joints', '')) if name not in moving]
+        of_tags = tuple(dict.fromkeys((*found.not_simulated, *of_cameras, *stray)))
+        of_controllers = drive.problems if drive else drive_controllers.not_simulated(
+            root, drive_controllers.of_robot(root, controllers))
+        values = drive.settings(found.values) if drive else found.values
+        other_drives = () if drive else [part for part in (*found.not_simulated, *of_controllers)
+                                         if part.startswith(('plugin', 'controller'))]
+        sensors = sensors_of(kinds, found.sensors)
+        return RobotSpec(
+            source, model, _settings(model, sensors, values, other_drives, read), sensors, values,
+            camera_settings,
+            (*('{}: {}'.format(source, line)
+               for line in _warnings(model, of_tags, of_controllers)),
+             *audit.warnings(source, findings)),
+            (*of_tags, *of_controllers), findings, tuple(camera.sensor for camera in cameras))
+    except (SimulationError, SettingError) as error:
+        raise refused(source, error.problem, error.advice)
+
+
+def read_model(tree: Tree, step_s: float, kinds: Sequence[SensorKind],
+               with_bare: bool = False) -> RobotSpec:
+    """Return what an SDF says of a robot, which starts where the tree is, or of a model with
+    sensors.
+
+    with_bare: whether sensors without a plugin are simulated, too.
+    Raises SimulationError when a value cannot be used.
+    """
+    model = tree.model
+    drive, source = drive_tags.of_model(model), 'model ' + model.name
+    try:
+        found = gazebo_tags.read(model.tags, step_s, (
+            *([drive.tags] if drive else ()), *(kind.read_tags for kind in kinds)), with_bare)
+        cameras, of_cameras = camera_tags.read(model.tags, model.frames, with_bare)
+        camera_settings = tuple(map(robot_camera.settings_of, cameras))
+        of_model = ['plugin ' + plugin.get('filename', '') for tag in model.tags if not tag.link
+                    for plugin in tag.element.findall('plugin')]    # the audit names them
+        not_simulated = tuple(part for part in dict.fromkeys((*found.not_simulated, *of_cameras))
+                              if part not in of_model)
+        # what has a place is in a tag; the rest belongs to a drive
+        sensors = [each for each in sensors_of(kinds, found.sensors)
+                   if each.place is not None or drive and not each.kind.tags.frame]
+        values = drive.settings(found.values) if drive else found.values
+        settings = _settings_of_tree(tree, sensors, values) if drive else RobotSettings(
+            sensors={each.name: _settings_in_tag(each) for each in sensors})
+        return RobotSpec(
+            source, model, dataclasses.replace(settings, noise=settings.noise.of(tree.name)),
+            sensors, values, camera_settings,
+            tuple('not simulated, of {}: {}'.format(source, part) for part in not_simulated),
+            not_simulated, camera_names=tuple(camera.sensor for camera in cameras))
+    except (SimulationError, SettingError) as error:
+        raise refused(source, error.problem, error.advice)
+
+
+def _warnings(model: Model, of_tags: Sequence[str],
+              of_controllers: Sequence[str]) -> Iterator[str]:
+    """Yield a line for each thing of a robot that is not done as its file says."""
+    yield from model.warnings
+    if model.missing_meshes:
+        yield ('mesh{} not found, replaced by other shapes of the link: {}; PyBullet reads {} '
+               'files; for package:// the package must be built and sourced'.format(
+                   '' if len(model.missing_meshes) == 1 else 'es',
+                   ', '.join(model.missing_meshes), ', '.join(READABLE)))
+    if model.missing_looks:
+        yield ('not known or not found, of its materials: {}; those links keep their other color'
+               .format(', '.join(model.missing_looks)))
+    for name, parts in (('<gazebo> tags', of_tags), ('controllers', of_controllers)):
+        if parts:
+            yield 'not simulated, of its {}: {}'.format(name, ', '.join(parts))
+
+
+def _settings(model: Model, sensors: Sequence[RobotSensor], tag_values: Mapping[str, Any],
+              other_drives: Sequence[str], read: ReadSettings) -> RobotSettings:
+    """Return the settings of a robot.
+
+    other_drives: what may drive it and is not simulated, where nothing else says how it is driven.
+    """
+    measured = wheels.measure(model, read(DriveSettings, tag_values))
+    values: Mapping[str, Any] = {**measured.values(), **tag_values}
+    drive = read(DriveSettings, values)
+    if other_drives and measured.wheel_separation is None and drive.left_joints:
+        raise SimulationError('no drive that is simulated; it has: {}'.format(
+            shortened(', '.join(other_drives))), drive_tags.ADVICE)
+    if measured.swapped:
+        # libgazebo_ros_diff_drive has <legacyMode>, in which they are
+        drive = dataclasses.replace(drive, left_joint=drive.right_joint,
+                                    right_joint=drive.left_joint)
+    return RobotSettings(
+        read(SpawnSettings, values), drive, read(NoiseSettings, values),
+        {each.name: read(each.kind.settings, values) if each.reads_parameters
+         else _settings_in_tag(each) for each in sensors})
+
+
+def _settings_of_tree(tree: Tree, sensors: Sequence[RobotSensor],
+                      tag_values: Mapping[str, Any]) -> RobotSettings:
+    x, y, z = tree.pose.translation.tolist()
+    yaw = rotations.to_rpy(tree.pose.rotation).tolist()[2]
+    return dataclasses.replace(_settings(tree.model, sensors, tag_values, (), from_mapping),
+                               spawn=SpawnSettings(x_pos=x, y_pos=y, z_pos=z, yaw=yaw))
+
+
+def _settings_in_tag(sensor: RobotSensor) -> Any:
+    try:
+        return from_mapping(sensor.kind.settings, sensor.values)
+    except SettingError as error:
+        raise SimulationError('its sensor {}: {}'.format(sensor.name, error.problem),
+                              error.advice)
+
+
+def refused(source: str, problem: str, advice: str) -> SimulationError:
+    """Return the error that a robot cannot be used."""
+    return SimulationError('cannot use the robot in {}: {}'.format(source, problem), advice)

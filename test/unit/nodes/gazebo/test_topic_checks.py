@@ -1,0 +1,32 @@
+"""Topics that two robots would share, or that are not those of a robot."""
+import pytest
+
+from img_recog.nodes.gazebo.topic_checks import check_topics
+from img_recog.simulation.names import Names
+from img_recog.simulation.settings import CameraSettings
+from img_recog_testing.refusals import refusal
+from img_recog_testing.robots import burger, read
+
+CAMERA = CameraSettings(camera_frame='base_link', camera_image_topic='eye/image',
+                        camera_info_topic='eye/info')
+SPEC = read(burger())._replace(cameras=[CAMERA])
+
+
+def test_a_robot_may_have_the_topics_of_another_in_its_namespace():
+    check_topics(SPEC, [SPEC._replace(names=Names('robot2', 'robot2'))])
+
+
+@pytest.mark.parametrize('spec, others, words', [
+    (SPEC, [SPEC], 'the topic eye/image is camera_image_topic of the camera'),
+    (SPEC._replace(cameras=[]), [SPEC], 'two sensors are on the topic'),
+    (SPEC._replace(cameras=[CAMERA, CAMERA.__class__(
+        camera_frame='base_link', camera_image_topic='scan', camera_info_topic='a')]), [],
+     'two sensors are on the topic'),
+    (SPEC.changed(drive=SPEC.settings.drive.__class__(command_topic='/clock')), [],
+     'the topic /clock is not that of a robot'),
+    (SPEC.changed(drive=SPEC.settings.drive.__class__(command_topic='scan')), [],
+     'a sensor and commands are on the topic'),
+    (SPEC._replace(cameras=[CameraSettings(camera_image_topic='not a name')]), [],
+     "camera_image_topic: got 'not a name'")])
+def test_a_topic_that_is_taken_is_refused(spec, others, words):
+    assert words in refusal(check_topics, spec, others)
