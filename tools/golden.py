@@ -28,6 +28,9 @@ from img_recog.simulation.pictures.visual_scene import Parts
 from img_recog.simulation.settings import PhysicsSettings
 
 _SMALLEST = 1e-8        # what is nearer to 0 is rounding
+# what is in the middle of two texts, as 0.123455 often is in a file, gets the same one of them
+# however its last bit is rounded
+_UPWARD = 1 + 1e-7
 
 
 def text_of(path: str) -> str:
@@ -98,7 +101,7 @@ def _plain(value: Any) -> str:
         return value.decode(errors='replace')
     if isinstance(value, (float, np.floating)):
         value = float(value)
-        return '{:.5g}'.format(value if abs(value) > _SMALLEST else 0.0)
+        return '{:.5g}'.format(value * _UPWARD if abs(value) > _SMALLEST else 0.0)
     if isinstance(value, np.ndarray):
         return _plain(value.tolist())
     if dataclasses.is_dataclass(value):

@@ -1,0 +1,35 @@
+"""What is made of robots and worlds is what it was when test/golden.txt was written."""
+import importlib
+import os
+
+import pytest
+
+from img_recog_testing.pages import ROOT
+
+OTHERS = 'IMG_RECOG_GOLDEN'     # of the environment: a folder with clones of public repositories
+
+
+@pytest.fixture
+def hashes(monkeypatch):
+    monkeypatch.syspath_prepend(os.path.join(ROOT, 'tools'))
+    return importlib.import_module('golden_hashes')
+
+
+def test_own_files(hashes):
+    own = [each for each in hashes.read() if each.repository == '.']
+    assert len(own) >= 3 and list(hashes.compared(own)) == []
+
+
+@pytest.mark.skipif(OTHERS not in os.environ, reason='needs clones of public repositories')
+def test_public_files(hashes):
+    others = [each for each in hashes.read() if each.repository != '.']
+    assert len(others) >= 20 and list(hashes.compared(others, os.environ[OTHERS])) == []
+
+
+def test_a_file_that_differs_or_is_not_there_is_named(hashes, tmp_path):
+    own = hashes.read()[0]
+    assert [line.split(': ')[0] for line in hashes.compared([own._replace(hash='0'), own])] == [
+        own.path]
+    other = own._replace(repository='a/b', path='c.world')
+    line, = hashes.compared([other], str(tmp_path))
+    assert line.startswith('a+b/c.world: ') and line.endswith('expected ' + own.hash)
