@@ -16,7 +16,7 @@ from img_recog.errors import UserError, one_line, shortened
 from img_recog.ros import node_help
 from img_recog.ros.log import console, log_files, log_handlers, log_records
 from img_recog.ros.master import master_watch
-from img_recog.ros.transport import handshakes, own_time, registration, rosout
+from img_recog.ros.transport import own_time, registration, rosout
 
 EXIT_UNEXPECTED = 70        # EX_SOFTWARE of sysexits.h
 # Only under scripts/respawn.py, which decides by them whether to start the node again
@@ -49,7 +49,6 @@ def run(name: str, serve: Callable[[], None],
     # rospy's own handler shuts down inside the interrupted call; if that is a publish in the
     # main thread, both wait for the same lock for ever
     try:
-        handshakes.install()
         registration.limit_calls()
         rosout.init_node(name, disable_signals=True,
                          disable_rostime=source_of_time and not own_time.follows_clock_topic())

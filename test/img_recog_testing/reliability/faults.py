@@ -3,11 +3,10 @@ import contextlib
 import os
 import random
 import signal
-import socket
 import subprocess
 import sys
 import time
-from typing import Any, Callable, Dict, Iterator, List, NamedTuple, Tuple
+from typing import Any, Callable, Dict, Iterator, NamedTuple, Tuple
 
 from img_recog.ros.transport.switch import is_plain
 from img_recog_testing import process_table, wire
@@ -16,12 +15,11 @@ from img_recog_testing.reliability.demo import NODES, Demo
 from img_recog_testing.waiting import DEADLINE_S, wait_for
 
 _BUSY = 'while True: pass'
-_GARBAGE_BYTES = 4096
 _LONG_LIFE_S = 5.0         # scripts/respawn.py has 4 s
 # what can be subscribed to at each node; the image is the largest
 _TOPICS = {'usb_cam': chain.CAMERA, 'color_extract': chain.COMMAND, 'gazebo': chain.ODOMETRY,
            'turtlebot3_teleop_keyboard': chain.TELEOP, 'robot_state_publisher': chain.JOINTS}
-# roscpp is not ours: a reader that stalls, or a connection that says nothing, is its own matter
+# roscpp is not ours: a reader that stalls is its own matter
 OURS = tuple(name for name in NODES if name != 'robot_state_publisher')
 
 
@@ -127,56 +125,15 @@ def readers(demo: Demo, fault: Fault) -> Undo:
         yield time.monotonic()
 
 
-@contextlib.contextmanager
-def idle(demo: Demo, fault: Fault) -> Undo:
-    """Connect to both ports of a node and say nothing; the chain has to work meanwhile."""
-    (count,) = fault.details
-    with contextlib.ExitStack() as stack:
-        for address in addresses(demo, fault.node) * count:
-            stack.enter_context(socket.create_connection(address, DEADLINE_S))
-        yield time.monotonic()
-
-
-@contextlib.contextmanager
-def garbage(demo: Demo, fault: Fault) -> Undo:
-    """Send random bytes to both ports of a node, some of them after a valid start."""
-    count, seed = fault.details
-    rng = random.Random(seed)
-    starts = (b'', b'POST / HTTP/1.1\r\nContent-Length: 99999999\r\n\r\n',
-              b'GET / HTTP/1.0\r\n\r\n', b'\xff\xff\xff\xff', b'\x00\x00\x00\x00',
-              b'\x04\x00\x00\x00\xff\xff\xff\x7f')
-    with contextlib.ExitStack() as stack:
-        for address in addresses(demo, fault.node) * count:
-            sock = stack.enter_context(socket.create_connection(address, DEADLINE_S))
-            with contextlib.suppress(OSError):      # it may hang up at once
-                sock.sendall(rng.choice(starts) + bytes(
-                    rng.randrange(256) for _ in range(rng.randrange(_GARBAGE_BYTES))))
-            if rng.random() < 0.7:
-                sock.close()
-        yield time.monotonic()
-
-
-def addresses(demo: Demo, node: str) -> List[Tuple[str, int]]:
-    """Return the addresses of the XML-RPC server and of the data of a node."""
-    stream = _TOPICS[node]
-    host, _, port = wire.node_uri(demo.master_uri, stream.node).strip('/').rpartition('/')[2] \
-        .partition(':')
-    return [(host, int(port)), wire.data_address(demo.master_uri, stream.node, stream.topic)]
-
-
 APPLY: Dict[str, Callable] = {each.__name__: each for each in (
-    kill, pause, starve, master, readers, idle, garbage)}
+    kill, pause, starve, master, readers)}
 KINDS = tuple(APPLY)
 
 
 def possible() -> Tuple[str, ...]:
     """Return the kinds of faults that the transport in use survives."""
-    left_out = set()
-    if is_plain('registration'):
-        left_out.add('master')
-    if is_plain('handshakes'):
-        left_out |= {'idle', 'garbage'}
-    return tuple(kind for kind in KINDS if kind not in left_out)
+    left_out = 'master' if is_plain('registration') else None
+    return tuple(kind for kind in KINDS if kind != left_out)
 
 
 _DETAILS: Dict[str, Callable[[random.Random], Tuple]] = {
@@ -184,13 +141,11 @@ _DETAILS: Dict[str, Callable[[random.Random], Tuple]] = {
     'pause': lambda rng: (round(rng.uniform(1.0, 10.0), 1),),
     'starve': lambda rng: (round(rng.uniform(2.0, 6.0), 1), rng.randint(1, 4)),
     'master': lambda rng: (rng.choice(('SIGKILL', 'SIGINT')), round(rng.uniform(0.0, 4.0), 1)),
-    'readers': lambda rng: (rng.randint(10, 100),),
-    'idle': lambda rng: (rng.randint(10, 100),),
-    'garbage': lambda rng: (rng.randint(5, 30), rng.randrange(1 << 30))}
+    'readers': lambda rng: (rng.randint(10, 100),)}
 
 
 def draw(rng: random.Random, kinds: Tuple[str, ...] = KINDS) -> Fault:
     """Return a fault with everything about it drawn at random."""
     kind = rng.choice(kinds)
-    node = rng.choice(OURS if kind in ('readers', 'idle', 'garbage') else NODES)
+    node = rng.choice(OURS if kind == 'readers' else NODES)
     return Fault(kind, 'master' if kind == 'master' else node, _DETAILS[kind](rng))

@@ -11,7 +11,6 @@ from img_recog_testing import lockstep
 from img_recog_testing.processes import Process
 from img_recog_testing.reliability import (endings, figures, files, images, siege, soak,
                                            surroundings, twists)
-from img_recog_testing.reliability import demo as demos
 from img_recog_testing.reliability.nodes import Nodes
 
 # at full length
@@ -21,7 +20,7 @@ STOPS, STOPS_WITHOUT_IMAGES, KILLS = 500, 200, 300
 SOAK_S = 1800.0
 LOCKSTEP_RUNS, LOCKSTEP_IMAGES = 100, 100
 CLOCK_JUMPS, FULL_DISK_S, SILENT_CONNECTIONS = 60, 60.0, 100
-XMLRPC_S, PAGE_S, FILES = 300.0, 300.0, 3000
+PAGE_S, FILES = 300.0, 3000
 
 # how results are printed that are not counts
 _FORMATS = {'max_s': 'longest {:.2f} s', 'rss_growth_mb': 'memory {:+d} MB'}
@@ -144,23 +143,11 @@ def run_silent(options: Options) -> List[Row]:
              'the chain took {max_s:.2f} s, {rss_growth_mb:+d} MB'.format(**result), '5 s')]
 
 
-def _siege_rows(duration_s: float, name: str, result: Dict) -> List[Row]:
-    return [('{:g} s of attacks on {}'.format(duration_s, name), _words(result), '100 MB each')]
-
-
-def run_xmlrpc(options: Options) -> List[Row]:
-    """Hostile requests and calls to the XML-RPC server of each node, and no descriptors left."""
-    duration_s = XMLRPC_S * options.scale
-    with demos.running(options.factor) as demo:
-        result = siege.xmlrpc(demo, duration_s, options.seed, options.factor)
-    return _siege_rows(duration_s, 'XML-RPC', result)
-
-
 def run_page(options: Options) -> List[Row]:
     """Hostile requests and WebSockets to the page, and no descriptors left."""
     duration_s = PAGE_S * options.scale
-    return _siege_rows(duration_s, 'the page', siege.page(duration_s, options.seed,
-                                                          options.factor))
+    result = siege.page(duration_s, options.seed, options.factor)
+    return [('{:g} s of attacks on the page'.format(duration_s), _words(result), '100 MB each')]
 
 
 def run_files(options: Options) -> List[Row]:
@@ -209,5 +196,5 @@ def _lockstep_row(options: Options, kind: str, run: Callable[[Nodes, str], List]
 PARTS: Dict[str, Callable[[Options], List[Row]]] = {
     'soak': run_soak, 'twists': run_twists, 'images': run_images, 'stops': run_stops,
     'stops_without_images': run_stops_without_images, 'kills': run_kills, 'clock': run_clock,
-    'disk': run_disk, 'silent': run_silent, 'xmlrpc': run_xmlrpc,
+    'disk': run_disk, 'silent': run_silent,
     'page': run_page, 'files': run_files, 'lockstep': run_lockstep}

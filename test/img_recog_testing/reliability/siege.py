@@ -1,4 +1,4 @@
-"""Hostile connections to the ports of a running demo: those of XML-RPC, and the page."""
+"""Hostile connections to the page of a running demo."""
 import contextlib
 import itertools
 import random
@@ -8,14 +8,12 @@ import time
 import urllib.request
 from concurrent.futures import ThreadPoolExecutor
 from http import HTTPStatus
-from typing import Callable, Dict, Iterator, List, Mapping, Tuple
+from typing import Callable, Dict, Iterator, Mapping, Tuple
 
 from img_recog_testing import process_table
 from img_recog_testing.process_table import Usage
-from img_recog_testing.reliability import faults
 from img_recog_testing.reliability import demo as demos
 from img_recog_testing.reliability.demo import LIMIT_S, START_LIMIT_S, Demo
-from img_recog_testing.reliability.xmlrpc_calls import CALLS
 from img_recog_testing.waiting import DEADLINE_S, wait_for
 
 Address = Tuple[str, int]
@@ -27,7 +25,7 @@ _ATTACK_S = 8.0             # of one connection that is not closed
 _DESCRIPTORS = 64           # as after ulimit -n 64
 _EXTRA = {'threads': 8, 'descriptors': 8}
 _MAX_GROWTH_MB = 100.0
-_SETTLE_S = 90.0            # connections to XML-RPC end after 60 s
+_SETTLE_S = 90.0
 _BLOCK = b'x' * 65536
 
 
@@ -63,7 +61,6 @@ _ANYWHERE: Dict[str, Pieces] = {
     'endless body': _then(b'POST / HTTP/1.1\r\nContent-Length: 999999999999\r\n\r\n', _BLOCK),
     'endless chunks': _then(b'POST / HTTP/1.1\r\nTransfer-Encoding: chunked\r\n\r\n',
                             b'10000\r\n' + _BLOCK + b'\r\n')}
-XML_RPC: Dict[str, Pieces] = {**_ANYWHERE, **CALLS}
 
 
 def _of_page(token: bytes, cookie: bytes) -> Dict[str, Pieces]:
@@ -104,21 +101,22 @@ def _attack(address: Address, pieces: Iterator[bytes], duration_s: float) -> Non
                     return
 
 
-def _sustain(demo: Demo, rng: random.Random, targets: Mapping[Address, Mapping[str, Pieces]],
-             duration_s: float, factor: float, check: Callable[[], float]) -> Tuple[int, float]:
-    """Attack random targets for a time; return the number of attacks and the slowest answer.
+def _sustain(demo: Demo, rng: random.Random, target: Address, kinds: Mapping[str, Pieces],
+             how: Tuple[float, float], check: Callable[[], float]) -> Tuple[int, float]:
+    """Attack at random for a time; return the number of attacks and the slowest answer.
 
-    check: returns how long an answer took for a user meanwhile.
+    how: the time in s, and the factor of all limits. check: returns how long an answer took for a
+    user meanwhile.
     """
+    duration_s, factor = how
     end, slowest_s = time.monotonic() + duration_s, 0.0
     count = itertools.count()
 
     def attack_all(number: int) -> None:
         own = random.Random(number)
         while time.monotonic() < end:
-            address = own.choice(list(targets))
-            kind = own.choice(list(targets[address]))
-            _attack(address, targets[address][kind](own), own.uniform(0, _ATTACK_S))
+            kind = own.choice(list(kinds))
+            _attack(target, kinds[kind](own), own.uniform(0, _ATTACK_S))
             next(count)
     with ThreadPoolExecutor(_AT_ONCE) as pool:
         running = [pool.submit(attack_all, rng.randrange(1 << 32)) for _ in range(_AT_ONCE)]
@@ -129,37 +127,29 @@ def _sustain(demo: Demo, rng: random.Random, targets: Mapping[Address, Mapping[s
     return next(count), slowest_s
 
 
-def _exhaust(demo: Demo, node: str, addresses: List[Address], factor: float) -> None:
-    """Let connections use all descriptors of a node; it has to work when they are gone."""
-    pid = demo.pid(node)
+def _exhaust(demo: Demo, target: Address, factor: float) -> None:
+    """Let connections use all descriptors of the page; it has to work when they are gone."""
+    pid = demo.pid('web')
     few = max(_DESCRIPTORS, process_table.usage(pid).descriptors + 8)
     soft, hard = resource.prlimit(pid, resource.RLIMIT_NOFILE)
     resource.prlimit(pid, resource.RLIMIT_NOFILE, (few, hard))
     with contextlib.ExitStack() as stack:
-        for number in range(2 * few):
+        for _ in range(2 * few):
             with contextlib.suppress(OSError):
-                stack.enter_context(socket.create_connection(
-                    addresses[number % len(addresses)], 0.2))
+                stack.enter_context(socket.create_connection(target, 0.2))
         wait_for(lambda: process_table.usage(pid).descriptors >= few - 4,
-                 lambda: 'the limit of the descriptors of ' + node)
+                 'the limit of the descriptors of the page')
         time.sleep(1.0)
     demo.chain.wait(LIMIT_S * factor)
-    assert demo.pid(node) == pid, '{} has ended: {}'.format(node, demo.launch.output[-3000:])
+    assert demo.pid('web') == pid, demo.launch.output[-3000:]
     resource.prlimit(pid, resource.RLIMIT_NOFILE, (soft, hard))
 
 
-def xmlrpc(demo: Demo, duration_s: float, seed: int, factor: float = 1.0) -> Dict[str, float]:
-    """Attack the XML-RPC server of each node of ours while the chain works.
-
-    Returns the number of attacks, the slowest answer of the chain and the growth of memory.
-    """
-    addresses = {node: faults.addresses(demo, node) for node in faults.OURS}
-    targets = {addresses[node][0]: XML_RPC for node in faults.OURS}
-    return _besiege(demo, demo.usage, targets, addresses, (duration_s, seed, factor))
-
-
 def page(duration_s: float, seed: int, factor: float = 1.0) -> Dict[str, float]:
-    """Attack the page while the chain works and the page answers others; returns the same."""
+    """Attack the page while the chain works and the page answers others; returns figures.
+
+    These are the number of attacks, the slowest answer, and the growth of memory.
+    """
     with Demo() as demo:
         demo.start_all('web:=true', 'web_port:=18080')
         address, port, token = demo.launch.wait_output(
@@ -180,10 +170,13 @@ def page(duration_s: float, seed: int, factor: float = 1.0) -> Dict[str, float]:
         # the first pages start threads and publishers that stay
         with ThreadPoolExecutor(_AT_ONCE) as pool:
             list(pool.map(_open_page, [(address, port, token)] * _AT_ONCE))
-        result = _besiege(demo, usage, {target: kinds}, {'web': [target]},
-                          (duration_s, seed, factor), answered)
+        before = usage()
+        count, slowest_s = _sustain(demo, random.Random(seed), target, kinds,
+                                    (duration_s, factor), answered)
+        _exhaust(demo, target, factor)
+        result = _growth(demo, before, usage, factor)
         demo.stop(demos.STOP_LIMIT_S * factor)
-        return result
+        return {'attacks': count, 'max_s': slowest_s, **result}
 
 
 def _open_page(place: Tuple[str, str, str]) -> None:
@@ -195,15 +188,9 @@ def _open_page(place: Tuple[str, str, str]) -> None:
         assert answer.status == HTTPStatus.OK
 
 
-def _besiege(demo: Demo, usage: Callable[[], Dict[str, Usage]],
-             targets: Mapping[Address, Mapping[str, Pieces]],
-             addresses: Mapping[str, List[Address]], how: Tuple[float, int, float],
-             check: Callable[[], float] = lambda: 0.0) -> Dict[str, float]:
-    duration_s, seed, factor = how
-    before = usage()
-    count, slowest_s = _sustain(demo, random.Random(seed), targets, duration_s, factor, check)
-    for node, ports in addresses.items():
-        _exhaust(demo, node, ports, factor)
+def _growth(demo: Demo, before: Dict[str, Usage], usage: Callable[[], Dict[str, Usage]],
+            factor: float) -> Dict[str, float]:
+    """Return by how many MB the nodes have grown, once nothing else is left of the attacks."""
     wait_for(lambda: not demos.problems(before, usage(), _EXTRA),
              lambda: demos.problems(before, usage(), _EXTRA), _SETTLE_S * factor)
     after = usage()
@@ -211,7 +198,5 @@ def _besiege(demo: Demo, usage: Callable[[], Dict[str, Usage]],
         name: used.pid for name, used in after.items()}, demo.launch.output[-3000:]
     assert not demos.problems(before, after, {'rss_mb': _MAX_GROWTH_MB}), after
     assert 'Traceback' not in demo.launch.output, demo.launch.output[-3000:]
-    return {'attacks': count, 'max_s': slowest_s, **{
-        '{} MB of {} (start {:.0f})'.format(
-            '', name, used.rss_mb).strip(): round(after[name].rss_mb - used.rss_mb)
-        for name, used in before.items()}}
+    return {'MB of {} (start {:.0f})'.format(name, used.rss_mb): round(
+        after[name].rss_mb - used.rss_mb) for name, used in before.items()}

@@ -131,7 +131,6 @@ def silent_connections(count: int, factor: float = 1.0) -> Dict[str, float]:
         with contextlib.ExitStack() as opened:
             for node in faults.OURS:
                 opened.enter_context(faults.readers(demo, Fault('readers', node, (count,))))
-                opened.enter_context(faults.idle(demo, Fault('idle', node, (count // 10,))))
             for _ in range(3):
                 slowest_s = max(slowest_s, demo.chain.wait(LIMIT_S * factor).recovered_s)
             during = demo.usage()

@@ -79,8 +79,8 @@ def test_hook_while_rospy_closes_its_topics_is_called_once(shutdown, monkeypatch
 @pytest.fixture
 def exit_code(shutdown, monkeypatch):
     """A function that runs a node without a master; it returns the exit code."""
-    for module in ('handshakes', 'log_files', 'log_handlers', 'log_records', 'master_watch',
-                   'registration', 'rosout', 'signal'):
+    for module in ('log_files', 'log_handlers', 'log_records', 'master_watch', 'registration',
+                   'rosout', 'signal'):
         monkeypatch.setattr(lifecycle, module, MagicMock())
     return lambda serve: lifecycle.run('node', serve)
 

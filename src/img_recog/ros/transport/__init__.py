@@ -21,12 +21,6 @@ Names that are used
     rosout.py
         rospy.impl.rosout: Publisher and RosOutHandler, which are replaced, and _rosout_pub.
         rospy.impl.registration.get_topic_manager().get_topics().
-    handshakes.py
-        rospy.impl.tcpros_base.TCPROSServer: topic_connection_handler, service_connection_handler;
-        _tcp_server_callback, which is replaced. TCPServer: _create_server_sock, which is replaced.
-    xmlrpc_requests.py, switched off with handshakes.py
-        rosgraph.xmlrpc: SilenceableXMLRPCRequestHandler, which is replaced, and
-        ThreadingXMLRPCServer.get_request, which is replaced.
     redelivery.py
         `impl` of a Publisher: connections.
     settled_subscriber.py
@@ -51,9 +45,8 @@ Switching it off
 Safety
     A node in lockstep that has ended and come back gets the message that was not answered
     (redelivery), and commands that were sent before an answer are taken before time goes on
-    (settled_subscriber). A connection that sends nothing does not keep subscribers out
-    (handshakes), nor a thread and memory (xmlrpc_requests). A subscriber that does not read never
-    blocks the publisher (direct_publisher).
+    (settled_subscriber). A subscriber that does not read never blocks the publisher
+    (direct_publisher).
 
 Gain
     registration.py: nodes end also while the master does not answer, and

@@ -4,8 +4,8 @@ import os
 from img_recog.errors import UserError
 
 VARIABLE = 'IMG_RECOG_PLAIN_ROSPY'
-PARTS = ('direct_publisher', 'handshakes', 'image_publisher', 'image_subscriber', 'own_time',
-         'registration', 'rosout', 'settled_subscriber', 'subscribers')
+PARTS = ('direct_publisher', 'image_publisher', 'image_subscriber', 'own_time', 'registration',
+         'rosout', 'settled_subscriber', 'subscribers')
 
 
 def is_plain(part: str) -> bool:

@@ -8,9 +8,7 @@ import pytest
 import rospy
 from rosgraph import roslogging
 from rospy.impl import registration, rosout
-from rospy.impl.tcpros_base import TCPROSServer
 from rospy.impl.tcpros_pubsub import TCPROSHandler
-from rospy.impl.tcpros_service import service_connection_handler
 from std_msgs.msg import String
 
 pytestmark = pytest.mark.usefixtures('fast')
@@ -44,14 +42,6 @@ def test_rosout_uses_publisher_and_handler_of_its_module(monkeypatch):
     assert rosout.init_rosout()
     assert made == [(('/rosout', rosout.Log), {'latch': True, 'queue_size': 100})]
     assert 'RosOutHandler()' in inspect.getsource(rosout.load_rosout_handlers)
-
-
-def test_the_server_of_incoming_connections():
-    server = TCPROSServer()
-    for handler in (server.topic_connection_handler, server.service_connection_handler,
-                    service_connection_handler):
-        assert parameters(handler) == ['sock', 'client_addr', 'header']
-    assert 'TCPServer(self._tcp_server_callback' in inspect.getsource(TCPROSServer.start_server)
 
 
 def test_rospy_configures_logging_by_the_function_of_rosgraph():
