@@ -9,14 +9,14 @@ SWITCH = 'IMG_RECOG_PLAIN_ROSPY'
 # values of the switch; '0': with all parts, '1': without any
 FRAME_CASES = ('0', 'image_publisher', 'image_subscriber', 'direct_publisher', 'rosout', '1')
 STEP_CASES = ('0', 'direct_publisher', 'own_time', '1')
-SIZE, TURNS = (640, 480), 12    # size of the images; turns per case
-ROUNDS = 3                      # rounds per case of the simulator
+SIZE, TURNS = (640, 480), 5     # size of the images; turns per case
+ROUNDS = 5                      # rounds per case of the simulator
 TITLES = {'0': 'with all parts', '1': 'plain rospy'}
 
 
 def count() -> int:
     """Return the number of measurements that `measure` makes."""
-    return 1 + ROUNDS * len(STEP_CASES)
+    return 2 + ROUNDS * len(STEP_CASES)
 
 
 def measure(done: Callable[[], None]) -> dict:
@@ -27,19 +27,20 @@ def measure(done: Callable[[], None]) -> dict:
     nodes = {'case_{}'.format(number): recognition.script(
         'scripts', 'color_img_recog.py', env={SWITCH: case})
         for number, case in enumerate(FRAME_CASES)}
-    turns = recognition.samples(nodes, 'film', SIZE, True, TURNS, rates=False)
-    done()
+    result: Dict[str, list] = {}
+    for key, is_viewed in (('alone', False), ('viewed', True)):
+        turns = recognition.samples(nodes, 'film', SIZE, is_viewed, TURNS, rates=False)
+        for name, unit in (('cpu_ms', ''), ('latency_ms', '_latency')):
+            result[key + unit] = rows({case: [turn[name] for turn in turns[node]]
+                                       for case, node in zip(FRAME_CASES, nodes)})
+        done()
     costs: Dict[str, list] = {case: [] for case in STEP_CASES}
     for _ in range(ROUNDS):
         for case in STEP_CASES:
-            turns = simulator.node(0.0, [simulator.ALL], {SWITCH: case})
-            costs[case].append(median(turn[0]['step_us'] for turn in turns))
+            costs[case].append(median(turn[0]['step_us'] for turn in simulator.node(
+                0.0, [simulator.ALL], {SWITCH: case})))
             done()
-    return {'frames': rows({case: [turn['cpu_ms'] for turn in turns[name]]
-                            for case, name in zip(FRAME_CASES, nodes)}),
-            'latency_ms': {case: median(turn['latency_ms'] for turn in turns[name])
-                           for case, name in zip(FRAME_CASES, nodes)},
-            'steps': rows(costs)}
+    return {**result, 'steps': rows(costs)}
 
 
 def rows(values: Dict[str, list]) -> list:
@@ -57,7 +58,10 @@ def table(results: dict) -> str:
     """Return the results as a table."""
     lines = []
     for key, title, unit in (
-            ('frames', 'color_extract, {}x{}, viewed'.format(*SIZE), 'CPU a frame, ms'),
+            ('alone', 'color_extract, {}x{}, alone'.format(*SIZE), 'CPU a frame, ms'),
+            ('alone_latency', 'the same', 'latency, ms'),
+            ('viewed', 'color_extract, {}x{}, viewed'.format(*SIZE), 'CPU a frame, ms'),
+            ('viewed_latency', 'the same', 'latency, ms'),
             ('steps', 'simulator, all topics subscribed', 'CPU a step, us')):
         lines.append('{:40} {:>16} {:>24}'.format(title, unit, 'to the first (min-max)'))
         for row in results[key]:

@@ -1,6 +1,6 @@
 """Conversion of depths to sensor_msgs/Image, and to and from sensor_msgs/PointCloud2."""
 import sys
-from typing import Optional, Tuple
+from typing import Tuple
 
 import cv2
 import numpy as np
@@ -50,23 +50,20 @@ def cloud_without_points(depths: np.ndarray, header: Header) -> PointCloud2:
                        row_step=POINT_BYTES * width, is_dense=not np.isnan(depths).any())
 
 
-def draw_points(result: np.ndarray, is_drawn: Optional[bool], depths: np.ndarray,
-                image: np.ndarray, slopes: Tuple[np.ndarray, np.ndarray]) -> bool:
-    """Write the data of such a message; NaN is nothing. Returns True.
+def draw_points(result: np.ndarray, depths: np.ndarray, image: np.ndarray,
+                slopes: Tuple[np.ndarray, np.ndarray]) -> None:
+    """Write the data of such a message; NaN is nothing.
 
-    result: uint8 (height, width, POINT_BYTES); is_drawn: whether it was written here before.
-    depths: float32 (height, width), m along the optical axis, NaN for nothing; image: uint8 RGB;
-    slopes: x to the right and y downward of what each pixel sees, at z 1, float32 (height, width).
+    result: uint8 (height, width, POINT_BYTES); depths: float32 (height, width), m along the
+    optical axis, NaN for nothing; image: uint8 RGB; slopes: x to the right and y downward of what
+    each pixel sees, at z 1, float32 (height, width).
     """
-    if not is_drawn:
-        result[:] = 0
     x, y = (cv2.multiply(depths, slope) for slope in slopes)
     color = cv2.cvtColor(image, cv2.COLOR_RGB2BGRA)
     color[..., 3] = 0
-    # one pass over all points: they are much more memory than what they are made of
-    cv2.mixChannels([x, y, depths, color.view(np.float32)],
-                    [result.view(np.float32)], [0, 0, 1, 1, 2, 2, 3, 4])
-    return True
+    # one pass over all points: they are much more memory than what they are made of; -1 is zero
+    cv2.mixChannels([x, y, depths, color.view(np.float32)], [result.view(np.float32)],
+                    [0, 0, 1, 1, 2, 2, -1, 3, 3, 4, -1, 5, -1, 6, -1, 7])
 
 
 def from_msg(msg: PointCloud2) -> Tuple[np.ndarray, np.ndarray]:

@@ -35,7 +35,6 @@ from img_recog.still_images import (ALLOWED_MAX_PIXELS, DEFAULT_MAX_PIXELS, Imag
 _RAW, _COMPRESSED = 'raw', 'compressed'
 _POLL_S = 0.1
 _ENCODINGS = 'bgr8', 'rgb8', 'mono8'        # that stay; all others become bgr8
-_MAX_PIXEL_BYTES, _MAX_OTHER_BYTES = 8, 1 << 20     # of a raw message
 _BUFFER_BYTES = 1 << 24
 
 
@@ -55,8 +54,7 @@ class _Compressor:
         self.is_wanted = self.publisher.is_wanted
 
     def subscribe(self, callback) -> ImageSubscriber:
-        return ImageSubscriber('in', callback,
-                               self._max_pixels * _MAX_PIXEL_BYTES + _MAX_OTHER_BYTES)
+        return ImageSubscriber('in', callback)
 
     def convert(self, msg: Image) -> Tuple[np.ndarray, str]:
         """Return the pixels, which keep the buffer of the message, and their encoding."""

@@ -40,9 +40,8 @@ def to_msg(depths, image, camera):
     """Return the message of a cloud."""
     msg = depth_msgs.cloud_without_points(depths, Header(frame_id='lens'))
     data = np.full((*depths.shape, depth_msgs.POINT_BYTES), 7, np.uint8)
-    for is_drawn in (None, True):
-        assert depth_msgs.draw_points(data, is_drawn, depths, image, slopes(camera))
-        assert not data[..., 12:16].any() and not data[..., 19:].any()     # not used
+    depth_msgs.draw_points(data, depths, image, slopes(camera))
+    assert not data[..., 12:16].any() and not data[..., 19:].any()      # not used
     msg.data = data.tobytes()
     return msg
 

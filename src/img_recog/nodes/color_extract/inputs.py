@@ -13,8 +13,6 @@ from img_recog.ros.queues import LatestValue
 from img_recog.ros.transport.image_subscriber import ImageSubscriber
 
 TRANSPORTS = ('raw', 'compressed')      # names as in image_transport
-_MAX_PIXEL_BYTES = 8        # of the encodings that cv_bridge converts to bgr8: bgra16
-_MAX_OTHER_BYTES = 1 << 20  # of a message with an image: its header, the encoding
 # Processing is too slow for the thread that receives if an image takes longer, or if more wait in
 # its socket; it is left to the loop for this time.
 _MAX_PROCESSING_S, _MAX_WAITING = 0.03, 1
@@ -29,7 +27,7 @@ class RawInput:
     that images are received meanwhile and the loop gets the newest.
 
     take, wake: those of a LatestValue with the message that is left to the loop.
-    decode: from_msg of ColorImages; the image is valid until `done`.
+    decode: from_msg of ColorImages.
     """
 
     def __init__(self, topic: str, counts: RecognitionDiagnostics, max_pixels: int,
@@ -45,13 +43,10 @@ class RawInput:
         self._latest = LatestValue()
         self.take, self.wake = self._latest.take, self._latest.wake
         self.decode = ColorImages(max_pixels).from_msg
-        self._subscriber = ImageSubscriber(
-            topic, self._receive, max_pixels * _MAX_PIXEL_BYTES + _MAX_OTHER_BYTES,
-            counts.refused.add)
+        ImageSubscriber(topic, self._receive, counts.refused.add)
 
-    def done(self, msg: Image, seconds: float) -> None:
-        """Release the buffer of an image that was processed, which took so long."""
-        self._subscriber.release(msg)
+    def done(self, seconds: float) -> None:
+        """Take note of how long the processing of an image took."""
         if seconds > _MAX_PROCESSING_S:
             self._be_late()
 
@@ -60,10 +55,8 @@ class RawInput:
         if getattr(msg, 'waiting', 0) > _MAX_WAITING:       # plain rospy does not know it
             self._be_late()
         if self._now() < self._late_until_s or not self._process(msg):
-            replaced = self._latest.put(msg)
-            if replaced is not None:
+            if self._latest.put(msg) is not None:
                 self._counts.replaced.add()
-                self._subscriber.release(replaced)
                 self._be_late()
 
     def _be_late(self) -> None:
@@ -94,8 +87,8 @@ class CompressedInput:
         """
         return compressed_image_msgs.from_msg(msg, max_pixels=self._max_pixels), 'bgr8'
 
-    def done(self, msg: CompressedImage, seconds: float) -> None:
-        """Do nothing: the message has no reused buffer."""
+    def done(self, seconds: float) -> None:
+        """Do nothing: all images are left to the loop."""
 
     def _receive(self, msg: CompressedImage) -> None:
         self._counts.received.add()

@@ -139,7 +139,7 @@ class ColorExtract:
         begin_s = time.perf_counter()
         self.handle(msg)
         self._processed.publish(msg.header)
-        self._input.done(msg, time.perf_counter() - begin_s)
+        self._input.done(time.perf_counter() - begin_s)
 
     def handle(self, msg: Union[Image, CompressedImage]) -> None:
         """Recognize the colors in a frame and publish the results."""

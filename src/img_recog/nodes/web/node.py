@@ -52,7 +52,6 @@ from img_recog.ros.master import master
 from img_recog.teleoperation.settings import VelocityLimits
 
 _POLL_PERIOD_S = 0.5
-_MAX_IMAGE_BYTES = 200_000_000
 _START_TIMEOUT_S, _QUIET_S = 10.0, 1.5
 _TRY_AGAIN = 1013               # a close code of IANA's registry of WebSocket close codes
 
@@ -66,7 +65,7 @@ class Web:
         parameters.warn_of_unknown(WebSettings, VelocityLimits)
         self._warn = ThrottledWarning()
         self._failure: Optional[Exception] = None
-        self._pictures = PictureTopics(_MAX_IMAGE_BYTES)
+        self._pictures = PictureTopics()
         topics = SystemTopics(tab.topics for tab in TABS if tab.topics is not None)
         self._robots = ShownRobots(limits, self._pictures, topics)
         self._recorder = Recorder(self._start_recording)

@@ -31,9 +31,8 @@ class Picture(NamedTuple):
 class PictureTopics:
     """Subscribes to the image topics that somebody looks at, and encodes their newest images."""
 
-    def __init__(self, max_bytes: int):
-        """Subscribe to nothing yet; max_bytes: larger messages are refused."""
-        self._max_bytes = max_bytes
+    def __init__(self) -> None:
+        """Subscribe to nothing yet."""
         self._lock = threading.Lock()
         self._allowed: Set[str] = set()
         self._wanted: Set[str] = set()
@@ -90,7 +89,7 @@ class PictureTopics:
                 self._topics.pop(name).close()
                 return
             if name not in self._topics:
-                self._topics[name] = _Topic(name, self._max_bytes)
+                self._topics[name] = _Topic(name)
             self._topics[name].encode()
         except Exception as error:      # one topic must not end the pictures of the others
             self._warn('a picture of %s failed: %s: %s', name, type(error).__name__,
@@ -101,13 +100,12 @@ class PictureTopics:
 class _Topic:
     """A topic with images."""
 
-    def __init__(self, name: str, max_bytes: int):
+    def __init__(self, name: str):
         self._latest, self._warn = LatestValue(), ThrottledWarning()
         self._name, self._number, self._images = name, 0, ColorImages()
         self._kept: Optional[Image] = None      # the newest one that was taken, for `image`
-        self._lock = threading.Lock()
         self.picture: Optional[Picture] = None
-        self._subscriber = ImageSubscriber(name, self._put, max_bytes)
+        self._subscriber = ImageSubscriber(name, self._latest.put)
 
     def close(self) -> None:
         self._subscriber.close()
@@ -117,10 +115,7 @@ class _Topic:
         msg = self._latest.take()
         if msg is None:
             return
-        with self._lock:
-            before, self._kept = self._kept, msg
-        if before is not None:
-            self._subscriber.release(before)
+        self._kept = msg
         try:
             image, encoding = self._images.from_msg(msg)
             jpeg = encoded(_as_bgr(_fitted(image), encoding))
@@ -132,17 +127,11 @@ class _Topic:
 
     def image(self) -> Optional[np.ndarray]:
         """Return a copy of the newest image, bgr8."""
-        with self._lock:
-            try:
-                return None if self._kept is None else _as_bgr(
-                    *ColorImages().from_msg(self._kept)).copy()
-            except ImageError:
-                return None
-
-    def _put(self, msg: Image) -> None:
-        replaced = self._latest.put(msg)
-        if replaced is not None:
-            self._subscriber.release(replaced)
+        kept = self._kept
+        try:
+            return None if kept is None else _as_bgr(*ColorImages().from_msg(kept)).copy()
+        except ImageError:
+            return None
 
 
 def encoded(image: np.ndarray) -> bytes:

@@ -31,7 +31,8 @@ class DirectPublisher:
     as long as sending it; without one, a subscriber that does not read blocks the publisher
     forever. Here an Outbox sends to each subscriber: one whose socket buffer is full misses
     messages and gets those that were published together last when it reads again. With a queue, a
-    frame of a film takes 7 % more CPU time at 640x480, and a step of the simulator 26 % more.
+    frame takes 21 % (12 % to 29 %) more CPU time, 7 % viewed, and a step of the simulator 57 %
+    (46 % to 69 %) more.
     """
 
     def __init__(self, name: str, data_class: type, latch: bool = False,

@@ -4,7 +4,7 @@ import socket
 import threading
 import warnings
 from queue import Empty, SimpleQueue
-from typing import Any, Callable, Iterable, List, Optional, Tuple, Union
+from typing import Callable, Iterable, NamedTuple, Optional, Tuple, Union
 
 import rospy
 from rospy.exceptions import TransportTerminated
@@ -15,57 +15,11 @@ from rospy.impl.tcpros_base import TCPROSTransport
 _IDLE_S = 1.0
 
 
-class Packet:
-    """Bytes on their way to subscribers.
+class Packet(NamedTuple):
+    """Bytes on their way to subscribers, which must not change; messages: how many they are."""
 
-    data: must not change while somebody else than the publisher owns it; count: of the messages
-    in it. note: for the publisher; it is kept together with the content of a reused buffer.
-    """
-
-    def __init__(self, data: Union[bytes, bytearray], count: int = 1,
-                 pool: 'Optional[PacketPool]' = None):
-        self.data, self.count = data, count
-        self.note: Tuple[Any, Any] = (None, None)
-        self._pool, self._owners = pool, 1
-
-    def retain(self) -> None:
-        """Add an owner, which must call `release` once."""
-        if self._pool is not None:
-            with self._pool.lock:
-                self._owners += 1
-
-    def release(self) -> None:
-        """Give up ownership; the last release makes a buffer of a pool free for reuse."""
-        if self._pool is not None:
-            with self._pool.lock:
-                self._owners -= 1
-                if self._owners == 0:
-                    self._pool.free.append(self)
-
-
-class PacketPool:
-    """Packets without an owner, of the size that was taken last.
-
-    Copying into new memory takes several times as long as copying into memory that was used
-    before: without the pool, a frame whose images are viewed takes 2.4 times as much CPU time at
-    640x480, and 4.3 times at 1920x1080.
-
-    free: the packets; lock: of them and of the numbers of owners.
-    """
-
-    def __init__(self):
-        self.lock = threading.Lock()
-        self.free: List[Packet] = []
-
-    def take(self, size: int) -> Packet:
-        """Return a packet of `size` bytes, owned by the caller; its content is arbitrary."""
-        with self.lock:
-            self.free = [packet for packet in self.free if len(packet.data) == size]
-            packet = self.free.pop() if self.free else None
-        if packet is None:
-            return Packet(bytearray(size), pool=self)
-        packet.retain()
-        return packet
+    data: Union[bytes, memoryview]
+    messages: int = 1
 
 
 class Outbox:
@@ -95,27 +49,20 @@ class Outbox:
         return True
 
     def put(self, packet: Packet) -> None:
-        """Send a packet; as long as it is not sent, the outbox is an owner of it.
-
-        Raises an exception if the connection is closed.
-        """
+        """Send a packet. Raises an exception if the connection is closed."""
         sock = self._connection.socket
         if sock is None:
             raise TransportTerminated('connection closed')
         if self._is_behind:
             with self._lock:
                 if self._is_behind:
-                    packet.retain()
-                    replaced, self._newest = self._newest, packet
-                    if replaced is not None:
-                        replaced.release()
+                    self._newest = packet
                     return
         count = 0
         with contextlib.suppress(BlockingIOError):
             count = sock.send(packet.data, socket.MSG_DONTWAIT)
         self._count(packet)
         if count < len(packet.data):
-            packet.retain()
             self._is_behind = True
             self._begun.put((packet, count))
             with self._lock:
@@ -127,7 +74,7 @@ class Outbox:
     def _count(self, packet: Packet) -> None:
         """Count what is sent, for getBusStats of the node."""
         self._connection.stat_bytes += len(packet.data)
-        self._connection.stat_num_msg += packet.count
+        self._connection.stat_num_msg += packet.messages
 
     def _run(self, sock: socket.socket) -> None:
         while True:
@@ -148,7 +95,6 @@ class Outbox:
                 sock.sendall(memoryview(packet.data)[count:])
             except OSError:     # the connection is closed, by the subscriber or by us
                 _close(self._connection)
-            packet.release()
             with self._lock:
                 packet, self._newest = self._newest, None
                 self._is_behind = packet is not None

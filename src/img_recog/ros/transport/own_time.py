@@ -20,7 +20,7 @@ def follows_clock_topic() -> bool:
 def set_time(now: genpy.Time) -> None:
     """Set the time of this node. Other nodes get it from /clock.
 
-    The simulator is slower if it subscribes to its own /clock.
+    If the simulator subscribes to its own /clock, a step takes 11 % (-2 % to 21 %) more CPU time.
     """
     if not follows_clock_topic():
         condition = rospy.rostime._rostime_cond

@@ -21,19 +21,14 @@ class Redelivery:
 
     def send(self, packet: Packet, topic: _PublisherImpl) -> None:
         """Send a packet to all subscribers of a topic, as `outbox.send` does."""
-        packet.retain()
         with self._lock:
             connections = topic.connections
-            if topic in self._last:
-                self._last[topic][0].release()
             self._last[topic] = packet, set(connections)
             send(packet, connections)
 
     def clear(self) -> None:
         """Keep nothing that was sent until now."""
         with self._lock:
-            for packet, _ in self._last.values():
-                packet.release()
             self._last = {}
 
     def is_needed(self) -> bool:

@@ -29,8 +29,8 @@ _NO_RECORD = logging.makeLogRecord({})
 def init_node(name: str, **options) -> None:
     """Call rospy.init_node, and replace rospy's handler for /rosout.
 
-    For each line, rospy's handler gets a parameter from the master and passes a message to a
-    thread.
+    For each line, rospy's handler gets a parameter from the master. With it, and without
+    RecurringLine, a frame of color_extract takes 57 % (48 % to 91 %) more CPU time, 30 % viewed.
     """
     if not is_plain('rosout'):
         rosout.Publisher = _publisher
@@ -39,6 +39,7 @@ def init_node(name: str, **options) -> None:
 
 
 def _publisher(name: str, data_class: type, latch: bool, queue_size: int) -> DirectPublisher:
+    """Return the publisher of /rosout; with rospy's, a frame takes 8 % (6 % to 20 %) more."""
     return DirectPublisher(name, data_class, latch)
 
 
@@ -92,9 +93,8 @@ class RecurringLine:
     """Writes lines to the log file and to /rosout, like rospy.loginfo, but not to the terminal.
 
     Between two frames, the code and data of Python's logging leave the cache of the processor:
-    then a line takes ten times as long as in a loop. By rospy.loginfo, a frame of a film takes
-    11 % to 20 % more CPU time at 640x480, and 0 to 3 % at 1920x1080; by a record that is passed
-    to the handlers again and again, 9 % to 12 % at 640x480.
+    then a line takes ten times as long as in a loop. By rospy.loginfo, a frame of color_extract
+    takes 19 % (7 % to 26 %) more CPU time, 5 % viewed.
     """
 
     def __init__(self) -> None:

@@ -23,7 +23,7 @@ class FakePublisher:
     def publish_data(self, draw, shape, msg):
         if self.subscribers:
             data = np.zeros(shape, np.uint8)
-            draw(data, None)
+            draw(data)
             msg.data = data.tobytes()
             self.publish(msg)
 

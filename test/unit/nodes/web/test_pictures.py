@@ -17,7 +17,7 @@ def closed(monkeypatch):
     """The topics that were closed; /bad cannot be subscribed."""
     found = []
 
-    def make(name, _max_bytes):
+    def make(name):
         if name == '/bad':
             raise RuntimeError('no such topic')
         return SimpleNamespace(picture=name + ' as JPEG', encode=lambda: None,
@@ -28,7 +28,7 @@ def closed(monkeypatch):
 
 
 def test_a_topic_that_fails_does_not_end_the_others(closed, wait_for_threads):
-    topics = PictureTopics(100)
+    topics = PictureTopics()
     topics.allow(['/bad', '/good'])
     for names in ({'/bad'}, {'/bad', '/good'}, {'/good'}):
         topics.watch(names)
@@ -39,7 +39,7 @@ def test_a_topic_that_fails_does_not_end_the_others(closed, wait_for_threads):
 
 
 def test_only_topics_that_are_allowed_are_subscribed(closed, wait_for_threads):
-    topics = PictureTopics(100)
+    topics = PictureTopics()
     topics.allow(iter(['/camera']))
     topics.watch({'/odom', '/camera'})
     wait_for(lambda: topics.latest('/camera') == '/camera as JPEG', 'the picture')
@@ -50,11 +50,10 @@ def test_only_topics_that_are_allowed_are_subscribed(closed, wait_for_threads):
 
 
 def test_the_newest_image_in_its_own_size_and_colors(monkeypatch):
-    released = []
-    monkeypatch.setattr(pictures, 'ImageSubscriber', lambda name, callback, max_bytes:
-                        SimpleNamespace(callback=callback, release=released.append))
-    topics = PictureTopics(10**8)
-    topic = topics._topics['/camera'] = pictures._Topic('/camera', 10**8)
+    monkeypatch.setattr(pictures, 'ImageSubscriber',
+                        lambda name, callback: SimpleNamespace(callback=callback))
+    topics = PictureTopics()
+    topic = topics._topics['/camera'] = pictures._Topic('/camera')
     assert topics.image('/camera') is None and topics.image('/other') is None
     images = [np.full((50, 1000, 3), value, np.uint8) for value in (10, 20)]
     messages = [image_msgs.to_msg(image, 'rgb8', Header()) for image in images]
@@ -67,7 +66,5 @@ def test_the_newest_image_in_its_own_size_and_colors(monkeypatch):
         assert found.shape == (50, 1000, 3) and (found[..., ::-1] == image).all()
         shown = cv2.imdecode(np.frombuffer(topics.latest('/camera').jpeg, np.uint8), 1)
         assert shown.shape == (32, 640, 3)
-    # the buffer of the newest one is still needed
-    assert released == messages[:1]
     messages[1].data = b''
     assert topics.image('/camera') is None

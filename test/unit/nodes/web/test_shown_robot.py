@@ -20,7 +20,7 @@ def robot(monkeypatch):
     warnings = []
     monkeypatch.setattr(shown_robot, 'ThrottledWarning', lambda: lambda text, *values: (
         warnings.append(text % values)))
-    found = ShownRobot('tb3', VelocityLimits(), PictureTopics(100), SystemTopics([]))
+    found = ShownRobot('tb3', VelocityLimits(), PictureTopics(), SystemTopics([]))
     found.warnings = warnings
     return found
 

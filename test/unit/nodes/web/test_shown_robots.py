@@ -48,7 +48,7 @@ def test_robots_are_found_by_who_takes_commands(published, subscribed, names):
 def test_the_robots_stay_while_a_new_master_knows_none(monkeypatch):
     monkeypatch.setattr(shown_robots.rospy, 'get_namespace', lambda: '/')
     monkeypatch.setattr(shown_robots.rospy, 'get_name', lambda: WEB)
-    found = ShownRobots(VelocityLimits(), PictureTopics(100), SystemTopics([]))
+    found = ShownRobots(VelocityLimits(), PictureTopics(), SystemTopics([]))
     assert found.names == ['']
     for subscribed, names in ((['/a/cmd_vel /x', '/b/cmd_vel /x'], ['a', 'b']), ([], ['a', 'b']),
                               (['/b/cmd_vel /x'], ['b'])):

@@ -1,4 +1,4 @@
-"""Images to real connections of rospy: the same bytes that rospy sends, from reused buffers."""
+"""Images to real connections of rospy: the same bytes that rospy sends."""
 import io
 import warnings
 
@@ -10,7 +10,6 @@ from sensor_msgs.msg import Image, PointCloud2, PointField
 from std_msgs.msg import Header
 
 from img_recog.ros.transport.image_publisher import ImagePublisher, LargePublisher
-from img_recog.ros.transport.outbox import PacketPool
 from img_recog_testing.extraction import random_image
 from img_recog_testing.waiting import wait_for
 
@@ -58,8 +57,7 @@ def test_nothing_is_drawn_without_subscribers(way, publisher):
 
 def test_a_drawn_image_is_sent(way, name, publisher, subscribe):
     subscriber, image = subscribe(name, Image), random_image(1)
-    publisher.publish_drawn(lambda result, _: np.copyto(result, image), image.shape, 'bgr8',
-                            header())
+    publisher.publish_drawn(lambda result: np.copyto(result, image), image.shape, 'bgr8', header())
     assert subscriber.receive() == wire(image, 1)
 
 
@@ -69,7 +67,7 @@ def test_a_cloud_of_points(way, name, subscribe):
                       b'', True)
     subscriber = subscribe(name, PointCloud2)
     for seq in (1, 2):
-        publisher.publish_data(lambda result, _: np.copyto(result, data), data.shape, msg)
+        publisher.publish_data(lambda result: np.copyto(result, data), data.shape, msg)
         wanted = io.BytesIO()
         msg.data = data.tobytes()
         serialize_message(wanted, seq, msg)
@@ -111,97 +109,6 @@ def test_a_subscriber_that_does_not_read_blocks_no_other_and_gets_whole_images_l
     assert stuck.receive() == wire(random_image(20, LARGE), 20)
     publish(publisher, random_image(21, LARGE))
     assert stuck.receive() == wire(random_image(21, LARGE), 21)
-
-
-def test_a_read_only_image_is_not_copied_again(fast, name, publisher, subscribe):
-    subscriber, copied = subscribe(name, Image), []
-
-    class Noted(np.ndarray):
-        def reshape(self, *shape):
-            copied.append(self)
-            return super().reshape(*shape)
-    first, second, writeable = (random_image(number).view(Noted) for number in range(3))
-    for image in (first, second):
-        image.setflags(write=False)
-    for seq, image in enumerate((first, first, second, first, first, writeable, writeable,
-                                 second, second), 1):
-        publish(publisher, image)
-        assert subscriber.receive() == wire(image, seq)
-    assert [id(image) for image in copied] == [
-        id(image) for image in (first, second, first, writeable, writeable, second)]
-
-
-@pytest.fixture
-def draw(publisher):
-    """A function that publishes an image and returns the address of the buffer it is drawn to."""
-    drawn = []      # these arrays keep their buffers, so no two buffers have the same address
-
-    def call(number=0):
-        publisher.publish_drawn(lambda result, _: (
-            drawn.append(result), np.copyto(result, random_image(number, LARGE)), None)[-1],
-            LARGE, 'bgr8', header())
-        return drawn[-1].ctypes.data
-    return call
-
-
-def test_buffers_are_reused_and_a_subscriber_that_does_not_read_keeps_two(
-        fast, name, subscribe, draw):
-    reading, used = subscribe(name, Image), set()
-    for most in (2, 4):
-        for _ in range(20):
-            used.add(draw())
-            reading.receive()
-        assert len(used) <= most
-        stuck = subscribe(name, Image)
-    stuck.sock.close()
-    for _ in range(20):
-        used.add(draw())
-        reading.receive()
-    assert len(used) <= 4
-
-
-def test_a_buffer_is_free_only_after_the_last_connection_has_sent_it(fast, name, subscribe, draw):
-    ends = [subscribe(name, Image) for _ in range(2)]
-    first = draw(1)
-    ends[0].receive()
-    second = draw(2)
-    assert second != first
-    for seq in (1, 2):
-        assert ends[1].receive() == wire(random_image(seq, LARGE), seq)
-
-    def is_used_again():
-        address = draw(3)
-        for end in ends:
-            end.receive()
-        return address in (first, second)
-    ends[0].receive()
-    wait_for(is_used_again, 'one of them')
-
-
-def test_a_buffer_is_free_again_when_drawing_fails(fast, name, publisher, subscribe):
-    subscriber, addresses = subscribe(name, Image), []
-
-    def fail(result, note):
-        addresses.append(result.ctypes.data)
-        assert note is None
-        raise ZeroDivisionError
-    for _ in range(3):
-        with pytest.raises(ZeroDivisionError):
-            publisher.publish_drawn(fail, (4, 4, 3), 'bgr8', header())
-    assert len(set(addresses)) == 1 and subscriber.is_idle()
-
-
-def test_buffers_of_another_size_are_dropped():
-    pool = PacketPool()
-    packet = pool.take(10)
-    packet.retain()
-    packet.release()
-    assert pool.free == []
-    packet.release()
-    assert pool.free == [packet] and pool.take(10) is packet
-    packet.release()
-    other = pool.take(20)
-    assert pool.free == [] and len(other.data) == 20
 
 
 def test_a_closed_subscriber_is_removed_and_others_continue(

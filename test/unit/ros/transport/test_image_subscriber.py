@@ -1,7 +1,6 @@
-"""Images through real connections of rospy, into reused buffers."""
+"""Images through real connections of rospy."""
 import queue
 import threading
-import weakref
 
 import numpy as np
 import pytest
@@ -27,7 +26,7 @@ class Receiver:
 
     def __init__(self, name):
         self._images = queue.Queue()
-        self.release = ImageSubscriber(name, self._images.put).release
+        ImageSubscriber(name, self._images.put)
 
     def receive(self):
         """Return the next image."""
@@ -57,7 +56,6 @@ def test_images_of_many_sizes_one_after_the_other(way, name, receiver, publish_t
         publisher.send(sent)
         got = receiver.receive()
         assert_equal(got, sent)
-        receiver.release(got)
 
 
 def test_strings_of_any_length(way, name, receiver, publish_to):
@@ -145,47 +143,6 @@ def test_the_images_that_wait_in_the_socket_are_counted(fast, name, publish_to):
     assert [counts.get(timeout=DEADLINE_S) for _ in range(3)] == [(2, 1), (1, 2), (0, 3)]
 
 
-# Reused buffers, which plain rospy does not have
-
-def test_a_buffer_is_reused_only_after_release(fast, name, receiver, publish_to):
-    publisher, held = publish_to(name, Image), []
-    for number in range(2):
-        publisher.send(image(number))
-        held.append(receiver.receive())
-    first, second = held
-    assert first.memory is not second.memory
-    memory = first.memory
-    receiver.release(first)
-    publisher.send(image(2))
-    third = receiver.receive()
-    assert third.memory is memory
-    assert_equal(second, image(1))
-    assert_equal(third, image(2))
-
-
-def test_a_second_release_has_no_effect(fast, name, receiver, publish_to):
-    publisher = publish_to(name, Image)
-    publisher.send(image(0))
-    msg = receiver.receive()
-    receiver.release(msg)
-    receiver.release(msg)
-    receiver.release(Image())
-    publisher.send(image(1), image(2))
-    first, second = receiver.receive(), receiver.receive()
-    assert first.memory is not second.memory
-
-
-def test_the_buffer_of_a_huge_image_is_dropped(fast, name, receiver, publish_to):
-    publisher = publish_to(name, Image)
-    publisher.send(image(0, 1000, 1000))
-    huge = receiver.receive()
-    memory = weakref.ref(huge.memory)
-    receiver.release(huge)
-    publisher.send(image(1))
-    receiver.receive()
-    assert memory() is None
-
-
 def test_a_publisher_that_closes_in_the_middle_of_an_image(way, name, receiver, publish_to):
     publisher = publish_to(name, Image)
     publisher.sock.sendall(packet(image(0))[:3000])
@@ -194,15 +151,13 @@ def test_a_publisher_that_closes_in_the_middle_of_an_image(way, name, receiver, 
     assert receiver.is_idle() and not publisher.topic.connections
 
 
-# Other subscribers in the same process must never get a reused buffer.
+# Other subscribers in the same process
 
 def exchange(publisher, receiver, numbers):
-    """Send images one after the other, each released before the next one."""
+    """Send images one after the other."""
     for number in numbers:
         publisher.send(image(number))
-        got = receiver.receive()
-        assert_equal(got, image(number))
-        receiver.release(got)
+        assert_equal(receiver.receive(), image(number))
 
 
 @pytest.mark.parametrize('is_first', [True, False])
@@ -237,9 +192,8 @@ def test_another_subscriber_that_is_added_in_the_callback_of_an_image(fast, name
     def handle(msg):
         entered.set()
         assert resume.wait(DEADLINE_S)
-        subscriber.release(msg)
         done.put(msg)
-    subscriber = ImageSubscriber(name, handle)
+    ImageSubscriber(name, handle)
     publisher = publish_to(name, Image)
     publisher.send(image(1))
     assert entered.wait(DEADLINE_S)
@@ -271,6 +225,5 @@ def test_two_image_subscribers_of_one_topic(way, name, publish_to):
             got = receiver.receive()
             assert_equal(got, image(number))
             held.append((got, number))
-            receivers[0].release(held[-2][0] if receiver is receivers[1] else Image())
-    for got, number in held[1::2]:
+    for got, number in held:
         assert_equal(got, image(number))
