@@ -11,11 +11,9 @@ from diagnostic_updater import DiagnosticStatusWrapper
 
 from img_recog.errors import shortened
 from img_recog.ros import lifecycle
-from img_recog.ros.transport.subscribers import SubscriberCheck
 
 _PERIOD_S = 1.0
 WINDOW_S = 3.0              # in which rates are measured
-_MAX_NAMED = 5              # of the subscribers that do not read
 
 Report = Callable[[DiagnosticStatusWrapper], None]
 
@@ -115,17 +113,16 @@ class NodeDiagnostics:
 
         report: fills in level, message and values of the status; it is called in the thread.
         """
-        self._subscribers = SubscriberCheck()
         self._ended = threading.Event()
         self._updater = diagnostic_updater.Updater()
         self._updater.setHardwareID(hardware_id)
-        self._updater.add(name, partial(self._fill, report))
+        self.add(name, report)
         lifecycle.on_shutdown(self._ended.set)
         threading.Thread(target=self._run, daemon=True).start()
 
     def add(self, name: str, report: Report) -> None:
         """Publish another status NODE: NAME too."""
-        self._updater.add(name, partial(self._fill_plain, report))
+        self._updater.add(name, partial(self._fill, report))
 
     def remove(self, name: str) -> None:
         """Stop to publish a status that was added."""
@@ -139,13 +136,8 @@ class NodeDiagnostics:
                 if not lifecycle.is_of_shutdown(error):
                     raise
 
-    def _fill(self, report: Report, status: DiagnosticStatusWrapper) -> DiagnosticStatusWrapper:
-        self._fill_plain(report, status)
-        add_subscribers(status, self._subscribers.not_reading())
-        return status
-
     @staticmethod
-    def _fill_plain(report: Report, status: DiagnosticStatusWrapper) -> DiagnosticStatusWrapper:
+    def _fill(report: Report, status: DiagnosticStatusWrapper) -> DiagnosticStatusWrapper:
         status.summary(DiagnosticStatus.OK, '')
         report(status)
         return status
@@ -179,19 +171,3 @@ def add_durations(status: DiagnosticStatusWrapper, name: str, durations: Duratio
     for part, index in (('mean', 0), ('max', 1)):
         status.add('{}, {} (ms)'.format(name, part),
                    '{:.2f}'.format(1000 * taken[index]) if taken else 'none')
-
-
-def add_subscribers(status: DiagnosticStatusWrapper, names: Optional[Tuple[str, ...]]) -> None:
-    """Add the subscribers that do not read to a status, with a warning if there are some.
-
-    names: as from `SubscriberCheck.not_reading`.
-    """
-    key = 'subscribers that do not read'
-    if names is None:
-        status.add(key, 'unknown')
-        return
-    listed = ', '.join(names[:_MAX_NAMED]) + (' ...' if len(names) > _MAX_NAMED else '')
-    status.add(key, listed or 'none')
-    if names:
-        status.mergeSummary(DiagnosticStatus.WARN, '{} do not read and miss messages: restart '
-                            'them, or use a smaller image or rate'.format(listed))

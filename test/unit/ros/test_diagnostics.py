@@ -8,7 +8,7 @@ from diagnostic_updater import DiagnosticStatusWrapper
 
 from img_recog.ros import diagnostics
 from img_recog.ros.diagnostics import (Counter, Durations, NodeDiagnostics, Refusals, add_counter,
-                                       add_durations, add_refusals, add_subscribers)
+                                       add_durations, add_refusals)
 from img_recog_testing.statuses import values
 from img_recog_testing.waiting import DEADLINE_S, stretch, wait_for
 
@@ -80,16 +80,6 @@ def test_durations_are_those_of_the_last_period(status):
     assert values(status) == {'processing, mean (ms)': 'none', 'processing, max (ms)': 'none'}
 
 
-@pytest.mark.parametrize('names, value, level', [
-    (None, 'unknown', OK), ((), 'none', OK), (('/rviz (/scan)',), '/rviz (/scan)', WARN),
-    (tuple('abcdef'), 'a, b, c, d, e ...', WARN)])
-def test_subscribers_that_do_not_read_are_named(status, names, value, level):
-    add_subscribers(status, names)
-    assert values(status) == {'subscribers that do not read': value}
-    assert status.level == level
-    assert (value in status.message) == (level == WARN)
-
-
 class FakeUpdater:
     """Publishes nothing; fills in a status each time."""
 
@@ -121,14 +111,12 @@ def updater(monkeypatch):
     assert not made.thread.is_alive()
 
 
-def test_the_status_is_published_again_and_again(updater, monkeypatch):
-    monkeypatch.delenv('IMG_RECOG_PLAIN_ROSPY', raising=False)
+def test_the_status_is_published_again_and_again(updater):
     NodeDiagnostics('recognition', 'none', lambda status: status.summary(WARN, 'slow'))
     wait_for(lambda: len(updater.filled) >= 3, 'three reports')
     assert (updater.name, updater.hardware_id) == ('recognition', 'none')
     last = updater.filled[-1]
     assert (last.level, last.message) == (WARN, 'slow')
-    assert values(last) == {'subscribers that do not read': 'none'}
 
 
 def test_a_topic_that_is_closed_at_shutdown_is_no_error(updater, monkeypatch):

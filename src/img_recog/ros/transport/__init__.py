@@ -34,9 +34,6 @@ Names that are used
         _LockedServerProxy. rospy.impl.registration: get_registration_listeners().listeners,
         RegManager.publisher_update; get_topic_manager(), its get_publications() and
         get_subscriptions(); get_service_manager().get_services().
-    subscribers.py
-        rospy.impl.registration.get_topic_manager().pubs; of a topic in it, connections and
-        resolved_name; a connection's endpoint_id and socket.
 
 Switching it off
     With IMG_RECOG_PLAIN_ROSPY=1, all parts use only rospy's documented interface. With

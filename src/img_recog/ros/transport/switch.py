@@ -5,7 +5,7 @@ from img_recog.errors import UserError
 
 VARIABLE = 'IMG_RECOG_PLAIN_ROSPY'
 PARTS = ('direct_publisher', 'image_publisher', 'image_subscriber', 'own_time', 'registration',
-         'rosout', 'settled_subscriber', 'subscribers')
+         'rosout', 'settled_subscriber')
 
 
 def is_plain(part: str) -> bool:
