@@ -9,7 +9,7 @@ from typing import Any, List, Mapping, Optional
 from img_recog.nodes.robots.robot_list import RobotRow
 from img_recog.processes import process_tree
 
-_LONG_LIFE_S = 10.0         # of a roslaunch that is started again if it ends
+LONG_LIFE_S = 10.0         # of a roslaunch that is started again if it ends
 _LOG_FORMAT = '[${severity}] [${time}] ${node}: ${message}'     # the node names the robot
 _EXIT_TIMEOUT_S = 12.0      # roslaunch waits up to 15 s for the node that runs this
 
@@ -46,7 +46,7 @@ class RobotNodes:
         if self._process is None or self._process.poll() is None:
             return None
         code, self._process = self._process.returncode, None
-        if code >= 0 and time.monotonic() - self._started_s < _LONG_LIFE_S:
+        if code >= 0 and time.monotonic() - self._started_s < LONG_LIFE_S:
             return 'its nodes have ended with exit code {}, and are not started again'.format(code)
         self._start()
         return 'its nodes have ended with exit code {}, and are started again'.format(code)

@@ -13,7 +13,7 @@ from img_recog.ros import parameters
 
 saving = threading.Lock()       # of all robots: a name is free until its file is there
 FOLDER_ADVICE = 'start it in a folder where files can be written'
-_ANSWER_TIMEOUT_S, _POLL_S = 10.0, 0.05
+ANSWER_TIMEOUT_S, _POLL_S = 10.0, 0.05
 _FIRST = '_hue_min'             # each color has it
 
 
@@ -74,7 +74,7 @@ class ColorTuning(Tuning):
 
 def wait_until(condition: Callable[[], Any]) -> Any:
     """Return the first true value of a condition, or its last value after a time limit."""
-    end_s = time.monotonic() + _ANSWER_TIMEOUT_S
+    end_s = time.monotonic() + ANSWER_TIMEOUT_S
     value = condition()
     while not value and time.monotonic() < end_s:
         time.sleep(_POLL_S)

@@ -8,7 +8,7 @@ import tempfile
 
 from img_recog.errors import UserError, one_line
 
-_TIMEOUT_S = 120.0
+TIMEOUT_S = 120.0
 
 
 def draw(path: str, robot: str, colors: str) -> str:
@@ -26,7 +26,7 @@ def draw(path: str, robot: str, colors: str) -> str:
         words += ['--colors', file.name] if colors else []
         try:
             done = subprocess.run(words, stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL,
-                                  stderr=subprocess.PIPE, timeout=_TIMEOUT_S, check=False)
+                                  stderr=subprocess.PIPE, timeout=TIMEOUT_S, check=False)
         except (OSError, subprocess.TimeoutExpired) as error:
             raise UserError('no picture of {}: {}'.format(path, one_line(error)))
     if done.returncode:

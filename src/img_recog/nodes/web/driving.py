@@ -16,10 +16,10 @@ from img_recog.ros.stopping_publisher import StoppingPublisher
 from img_recog.teleoperation.settings import VelocityLimits
 
 _PERIOD_S = 0.05
-_POLL_PERIOD_S = 1.0    # how often the threads check for the shutdown
+POLL_PERIOD_S = 1.0    # how often the threads check for the shutdown
 HOLD_S = 0.3            # a page repeats its command; after this time without one, the robot stops
-_YIELD_PERIOD_S = 0.2
-_READ_PERIOD_S = 1.0    # of the nodes that can yield
+YIELD_PERIOD_S = 0.2
+READ_PERIOD_S = 1.0    # of the nodes that can yield
 _SERVICE = '/yield'
 _STOPS = 3              # zeros that are sent after a release
 
@@ -113,7 +113,7 @@ class Driving:
 
     def _publish(self) -> None:
         while not rospy.is_shutdown():
-            if not self._driven.wait(_POLL_PERIOD_S):
+            if not self._driven.wait(POLL_PERIOD_S):
                 continue
             shares = self._speeds.current()
             while shares is not None and not rospy.is_shutdown():
@@ -135,10 +135,10 @@ class Driving:
         while not rospy.is_shutdown():
             if not self._driven.is_set():
                 read_s = -math.inf
-                self._driven.wait(_POLL_PERIOD_S)
+                self._driven.wait(POLL_PERIOD_S)
                 continue
             try:
-                if time.monotonic() - read_s > _READ_PERIOD_S:      # others may start meanwhile
+                if time.monotonic() - read_s > READ_PERIOD_S:      # others may start meanwhile
                     services, read_s = yield_services(self._topic), time.monotonic()
             except timed_xmlrpc.ERRORS as error:
                 self._warn('another node may drive the robot too: no master answers: %s',
@@ -147,7 +147,7 @@ class Driving:
             for name in set(services) - self._asked:
                 self._asked.add(name)
                 threading.Thread(target=self._ask, args=(name,), daemon=True).start()
-            time.sleep(_YIELD_PERIOD_S)
+            time.sleep(YIELD_PERIOD_S)
 
     def _ask(self, service: str) -> None:
         """Ask a node to yield."""

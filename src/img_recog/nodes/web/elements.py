@@ -11,7 +11,7 @@ from img_recog.nodes.web.shown_robot import PictureTopic
 from img_recog.nodes.web.texts import Texts
 
 _SLIDER_THROTTLE_S = 0.05
-_SETTLE_S = 1.0         # a slider that is moved is ahead of its value for this time
+SETTLE_S = 1.0         # a slider that is moved is ahead of its value for this time
 _numbers = itertools.count()
 
 
@@ -65,7 +65,7 @@ class Slider:
     def __init__(self, title: str, low: float, high: float, step: float, value: float,
                  change: Callable[[float], None], classes: str = '', label: str = ''):
         """Add it; change: is called while it is moved; label: for screen readers."""
-        self._change, self._moved_s, self._is_ahead = change, -_SETTLE_S, False
+        self._change, self._moved_s, self._is_ahead = change, -SETTLE_S, False
         self._low, self._high = low, high
         with ui.element('div').classes('slider-row'):
             ui.label(title)
@@ -78,7 +78,7 @@ class Slider:
 
     def follow(self, value: float) -> bool:
         """Show a value that something else has set; return False while the visitor moves it."""
-        if time.monotonic() - self._moved_s < _SETTLE_S:
+        if time.monotonic() - self._moved_s < SETTLE_S:
             return False
         if self._is_ahead:      # the browser must know its own value to notice another one
             self._is_ahead = False

@@ -19,8 +19,8 @@ from img_recog.nodes.web.updates import Updates
 from img_recog.ros.log.throttle import ThrottledWarning
 
 _DIGITS = 4             # of a number, after the decimal point
-_PLACES_PERIOD_S = 0.2
-_RETRY_PERIOD_S = 1.0
+PLACES_PERIOD_S = 0.2
+RETRY_PERIOD_S = 1.0
 _BUFFER_BYTES = 1 << 20
 _MAX_PATH = 4000        # points
 _PATH_STEP_M = 0.02
@@ -85,7 +85,7 @@ class Topics:
             yield
         except Exception as error:      # rospy raises more than it documents
             self._warn('%s: %s: %s', name, type(error).__name__, one_line(error))
-            time.sleep(_RETRY_PERIOD_S)
+            time.sleep(RETRY_PERIOD_S)
 
 
 class SystemTopics(Topics):
@@ -133,7 +133,7 @@ class SystemTopics(Topics):
         except plane_msgs.PoseError as error:
             self._warn('odom of %s: %s', name, error)
             return
-        if now_s - self._places_s >= _PLACES_PERIOD_S:
+        if now_s - self._places_s >= PLACES_PERIOD_S:
             self._places_s = now_s
             self._show_places()
 

@@ -16,7 +16,7 @@ from img_recog.ros.transport.image_subscriber import ImageSubscriber
 
 RATE_HZ = 15.0
 _MAX_WIDTH = 640
-_RETRY_PERIOD_S = 1.0
+RETRY_PERIOD_S = 1.0
 _QUALITY = 80
 _TO_BGR = {'rgb8': cv2.COLOR_RGB2BGR, 'rgba8': cv2.COLOR_RGBA2BGR, 'bgra8': cv2.COLOR_BGRA2BGR}
 
@@ -94,7 +94,7 @@ class PictureTopics:
         except Exception as error:      # one topic must not end the pictures of the others
             self._warn('a picture of %s failed: %s: %s', name, type(error).__name__,
                        one_line(error))
-            self._retry_s[name] = time.monotonic() + _RETRY_PERIOD_S
+            self._retry_s[name] = time.monotonic() + RETRY_PERIOD_S
 
 
 class _Topic:

@@ -10,10 +10,10 @@ import uvicorn
 
 from img_recog.errors import UserError, one_line
 
-_PORTS = 11             # tried, from the first one on
+PORTS = 11             # tried, from the first one on
 _MAX_PORT = 65535
-_END_TIMEOUT_S = 2.0
-_MAX_CONNECTIONS = 500  # also those that a browser keeps open
+END_TIMEOUT_S = 2.0
+MAX_CONNECTIONS = 500  # also those that a browser keeps open
 _MAX_BYTES = 1 << 16    # of the header of a request, and of a message on a WebSocket
 _HEADERS = [('x-frame-options', 'DENY'), ('x-content-type-options', 'nosniff'),
             ('referrer-policy', 'no-referrer')]
@@ -27,14 +27,14 @@ def listen(host: str, port: int) -> socket.socket:
     Raises UserError if there is none, or no such address.
     """
     last: Optional[OSError] = None
-    for number in range(port, min(port + _PORTS, _MAX_PORT + 1)):
+    for number in range(port, min(port + PORTS, _MAX_PORT + 1)):
         try:
             return socket.create_server(
                 (host, number), family=socket.AF_INET6 if ':' in host else socket.AF_INET)
         except (OSError, OverflowError) as error:
             last = error if isinstance(error, OSError) else OSError(str(error))
     raise UserError('cannot serve the page at {}, ports {} to {}: {}'.format(
-        host, port, min(port + _PORTS - 1, _MAX_PORT), one_line(last)),
+        host, port, min(port + PORTS - 1, _MAX_PORT), one_line(last)),
         'set web_port to a port from 1024 on' if isinstance(last, PermissionError) else
         'set web_host to an address of this computer, and web_port to a free port')
 
@@ -66,7 +66,7 @@ class Server:
         """Start to serve; failed: is called with an error that ends the server."""
         # JPEG images do not get smaller
         self._server = uvicorn.Server(uvicorn.Config(
-            app, http='h11', limit_concurrency=_MAX_CONNECTIONS, log_level='error',
+            app, http='h11', limit_concurrency=MAX_CONNECTIONS, log_level='error',
             access_log=False, h11_max_incomplete_event_size=_MAX_BYTES, ws_max_size=_MAX_BYTES,
             lifespan='on', server_header=False, headers=_HEADERS, ws_per_message_deflate=False,
             timeout_keep_alive=30, timeout_graceful_shutdown=1))
@@ -77,7 +77,7 @@ class Server:
     def close(self) -> None:
         """End all connections, and wait for the end of the thread."""
         self._server.should_exit = True
-        self._thread.join(_END_TIMEOUT_S)
+        self._thread.join(END_TIMEOUT_S)
         self._server.force_exit = True
 
     def _run(self) -> None:

@@ -10,8 +10,8 @@ from dynamic_reconfigure.client import Client
 from img_recog.errors import one_line
 from img_recog.ros.master import master
 
-_CONNECT_TIMEOUT_S = 2.0
-_RETRY_PERIOD_S = 1.0
+CONNECT_TIMEOUT_S = 2.0
+RETRY_PERIOD_S = 1.0
 
 
 class Tuning:
@@ -74,7 +74,7 @@ class Tuning:
                     rospy.logwarn('the parameters of %s: %s', self.node, one_line(error))
                     self._is_told = True
                 with self._condition:
-                    self._condition.wait_for(lambda: not self._watching, _RETRY_PERIOD_S)
+                    self._condition.wait_for(lambda: not self._watching, RETRY_PERIOD_S)
 
     def _is_there(self) -> bool:
         """Return whether the master knows the node; a demo can be without recognition."""
@@ -97,9 +97,9 @@ class Tuning:
         # update_configuration would wait for ever without descriptions, and would not know the
         # parameters of those that are being read: the callback comes at their end
         described = threading.Event()
-        client = Client(self.node, timeout=_CONNECT_TIMEOUT_S, config_callback=self._received,
+        client = Client(self.node, timeout=CONNECT_TIMEOUT_S, config_callback=self._received,
                         description_callback=lambda _: described.set())
-        if not described.wait(_CONNECT_TIMEOUT_S):
+        if not described.wait(CONNECT_TIMEOUT_S):
             client.close()
             raise rospy.ROSException('no descriptions came')
         return client
@@ -108,7 +108,7 @@ class Tuning:
         """Send the changes that wait, or wait for some."""
         with self._condition:
             self._condition.wait_for(lambda: self._changes or not self._watching,
-                                     _RETRY_PERIOD_S)
+                                     RETRY_PERIOD_S)
             changes, self._changes = self._changes, {}
             self._is_sending = bool(changes)
         if not changes:

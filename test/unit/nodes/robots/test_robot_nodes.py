@@ -60,7 +60,7 @@ def test_they_are_interrupted_and_waited_for(nodes):
      'its nodes have ended with exit code 4, and are started again')])
 def test_nodes_are_started_again_unless_they_end_at_once(nodes, monkeypatch, code, long_life_s,
                                                          line):
-    monkeypatch.setattr(robot_nodes, '_LONG_LIFE_S', long_life_s)
+    monkeypatch.setattr(robot_nodes, 'LONG_LIFE_S', long_life_s)
     running = nodes(code)
     assert wait_for(running.check, 'the end') == line
     assert running.has_ended == ('not' in line)

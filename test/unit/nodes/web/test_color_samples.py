@@ -84,7 +84,7 @@ def test_a_refused_mark_changes_nothing(samples):
 
 
 def test_without_a_picture(search, monkeypatch):
-    monkeypatch.setattr(color_tuning, '_ANSWER_TIMEOUT_S', 0.1)
+    monkeypatch.setattr(color_tuning, 'ANSWER_TIMEOUT_S', 0.1)
     samples = ColorSamples('/camera', SimpleNamespace(
         latest=lambda topic: None, image=lambda topic: None))
     with pytest.raises(UserError, match='there is no picture of /camera; try again'):

@@ -35,7 +35,7 @@ def test_what_plot_gets(tmp_path, rosrun, robot, colors, more):
     ('echo "plot.py: error: in.bag has no odometry" >&2; exit 1', '^in.bag has no odometry$'),
     ('exit 3', '^exit code 3$'), ('sleep 60 >&- 2>&-', '^no picture of .*in.bag: .*timed out')])
 def test_a_picture_that_is_not_drawn(tmp_path, rosrun, monkeypatch, script, problem):
-    monkeypatch.setattr(drive_picture, '_TIMEOUT_S', 1.0)
+    monkeypatch.setattr(drive_picture, 'TIMEOUT_S', 1.0)
     rosrun(script)
     with pytest.raises(UserError, match=problem):
         drive_picture.draw(str(tmp_path / 'in.bag'), '', '')

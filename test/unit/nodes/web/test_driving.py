@@ -78,9 +78,9 @@ def node(monkeypatch, wait_for_threads):
     monkeypatch.setattr(driving.rospy, 'is_shutdown', lambda: found.has_ended)
     monkeypatch.setattr(driving, 'yield_services', lambda _: sorted(found.services))
     monkeypatch.setattr(driving.rospy, 'ServiceProxy', lambda name, _: found.services[name])
-    monkeypatch.setattr(driving, '_YIELD_PERIOD_S', 0.01)
-    monkeypatch.setattr(driving, '_READ_PERIOD_S', 0.05)
-    monkeypatch.setattr(driving, '_POLL_PERIOD_S', 0.05)
+    monkeypatch.setattr(driving, 'YIELD_PERIOD_S', 0.01)
+    monkeypatch.setattr(driving, 'READ_PERIOD_S', 0.05)
+    monkeypatch.setattr(driving, 'POLL_PERIOD_S', 0.05)
 
     def answer(name):
         found.services[name] = lambda: found.asked.append(name) or SimpleNamespace(success=True)

@@ -30,7 +30,7 @@ class Visitor:
 @pytest.fixture
 def visitor(monkeypatch):
     """A visitor whose moves are settled at once."""
-    monkeypatch.setattr(elements, '_SETTLE_S', 0.0)
+    monkeypatch.setattr(elements, 'SETTLE_S', 0.0)
     return Visitor(monkeypatch)
 
 
@@ -41,7 +41,7 @@ def test_an_answer_of_the_node_does_not_move_a_slider_back(visitor):
 
 
 def test_while_it_is_moved_it_follows_nothing(visitor, monkeypatch):
-    monkeypatch.setattr(elements, '_SETTLE_S', 1000.0)
+    monkeypatch.setattr(elements, 'SETTLE_S', 1000.0)
     visitor.move(11)
     assert not visitor.slider.follow(12) and visitor.told == []
 

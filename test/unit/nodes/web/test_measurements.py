@@ -25,7 +25,7 @@ def odometry(x, y):
 
 
 def test_places_of_the_robots_that_are_there(monkeypatch):
-    monkeypatch.setattr(measurements, '_PLACES_PERIOD_S', 0.0)
+    monkeypatch.setattr(measurements, 'PLACES_PERIOD_S', 0.0)
     system = SystemTopics([])
     system.follow({'a': '/a/odom', 'b': '/b/odom'})
     place = callbacks(system.topics())
@@ -131,7 +131,7 @@ class Failing:
 def test_a_topic_that_cannot_be_subscribed_is_tried_again_and_ends_no_other(
         monkeypatch, wait_for_threads):
     warnings = []
-    monkeypatch.setattr(measurements, '_RETRY_PERIOD_S', 0.01)
+    monkeypatch.setattr(measurements, 'RETRY_PERIOD_S', 0.01)
     monkeypatch.setattr(measurements, 'ThrottledWarning', lambda: lambda text, *values: (
         warnings.append(text % values)))
     monkeypatch.setattr(measurements.rospy, 'Subscriber', Failing)

@@ -23,7 +23,7 @@ def closed(monkeypatch):
         return SimpleNamespace(picture=name + ' as JPEG', encode=lambda: None,
                                close=lambda: found.append(name))
     monkeypatch.setattr(pictures, '_Topic', make)
-    monkeypatch.setattr(pictures, '_RETRY_PERIOD_S', 0.01)
+    monkeypatch.setattr(pictures, 'RETRY_PERIOD_S', 0.01)
     return found
 
 

@@ -36,7 +36,7 @@ def test_an_address_of_another_computer(host):
 
 
 def test_all_ports_taken(monkeypatch):
-    monkeypatch.setattr(server, '_PORTS', 1)
+    monkeypatch.setattr(server, 'PORTS', 1)
     with listen('127.0.0.1', 0) as taken:
         with pytest.raises(UserError, match='ports .*: Address already in use'):
             listen('127.0.0.1', taken.getsockname()[1])
@@ -129,7 +129,7 @@ def test_what_is_endless_is_ended_and_others_are_served(serve, begin, piece):
 
 
 def test_too_many_connections(serve, monkeypatch):
-    monkeypatch.setattr(server, '_MAX_CONNECTIONS', 3)
+    monkeypatch.setattr(server, 'MAX_CONNECTIONS', 3)
     address_of = serve()
     url = 'http://{}:{}/'.format(*address_of)
     with connecting.connections(address_of) as connect:
@@ -148,7 +148,7 @@ def status(url):
 
 
 def test_a_server_answers_until_it_is_closed(monkeypatch):
-    monkeypatch.setattr(server, '_END_TIMEOUT_S', DEADLINE_S)       # a busy machine needs longer
+    monkeypatch.setattr(server, 'END_TIMEOUT_S', DEADLINE_S)       # a busy machine needs longer
     failures, sock = [], listen('127.0.0.1', free_port())
     url = 'http://127.0.0.1:{}/'.format(sock.getsockname()[1])
     running = Server(hello, sock, failures.append)

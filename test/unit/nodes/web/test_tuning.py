@@ -55,8 +55,8 @@ def node(monkeypatch, wait_for_threads):
     monkeypatch.setattr(tuning, 'Client', Client)
     monkeypatch.setattr(tuning.master, 'calls', lambda: argparse.Namespace(
         ask=lambda method, name: Client.address))
-    monkeypatch.setattr(tuning, '_RETRY_PERIOD_S', 0.05)
-    monkeypatch.setattr(tuning, '_CONNECT_TIMEOUT_S', 0.05)
+    monkeypatch.setattr(tuning, 'RETRY_PERIOD_S', 0.05)
+    monkeypatch.setattr(tuning, 'CONNECT_TIMEOUT_S', 0.05)
     monkeypatch.setattr(rospy, 'is_shutdown', lambda: False)
     parameters = Tuning('/color_extract')
     yield parameters
