@@ -84,7 +84,7 @@ class _Check:
 
     def _raw(self, data: bytes) -> None:
         try:
-            msg = image_subscriber._image(np.frombuffer(data, np.uint8), memoryview(data))
+            msg = image_subscriber._image(memoryview(data))
         except (DeserializationError, struct.error, ValueError):
             self.undecodable += 1
             return
