@@ -7,31 +7,30 @@ and what moves gets the coefficient that makes the product right with what bears
 
 ODE's friction is a pyramid: the coefficient holds along each of two directions by itself. Without
 that, PyBullet weighs them by the mass that moves along each, and a skid-steered robot does not
-turn. `mu2` scales one of them, along an axis of the link that is nearest to it.
+turn. `mu2` scales one of them, along an axis of the link that is nearest to it; of wheels see
+directions.py.
 
 What stands on more than three points has the same load on all, as ODE has it, only if the contacts
 give way a little: all are springs, with a stiffness for the mass of the body if that is high.
 """
 import itertools
-from typing import Dict, List, NamedTuple, Optional, Set, Tuple
+from typing import Dict, List, NamedTuple, Set, Tuple
 
 import numpy as np
 import pybullet
 
 from img_recog import rotations
-from img_recog.model import CONTINUOUS, FLOOR_FRICTION, REVOLUTE, Friction
+from img_recog.model import FLOOR_FRICTION, Friction
+from img_recog.simulation.physics import tyres
 from img_recog.simulation.physics.body import Body
 from img_recog.simulation.physics.client import body_ids, link_indices
 from img_recog.simulation.physics.framed_body import FramedBody
-from img_recog.simulation.physics.wheels import axis_of
 
 # of a contact: so much damping that nothing vibrates, and what fell is out of the floor in 0.3 s
 _STIFFNESS_N_M, _DAMPING_N_S_M = 3e5, 1e5
 # for each kg of a body with joints: so low that its load is spread over its wheels
 _JOINTED_N_M, _JOINTED_N_S_M = 1e4, 2e3
 _PERIOD_STEPS = 10
-_PARALLEL = 0.7
-_MEAN_COSINE = 2 / np.pi        # of the angle between the floor and a direction that turns
 _EPSILON = 1e-6
 
 _Link = Tuple[int, int]         # PyBullet's numbers of a body and of a link of it
@@ -52,27 +51,29 @@ def apply(body: FramedBody, slides: bool = False) -> None:
     """
     client = {'physicsClientId': body.physics_client_id}
     given = {link.name: link.surface for link in body.model.links}
-    axles = {joint.child: axis_of(joint) for joint in body.model.joints
-             if joint.kind in (CONTINUOUS, REVOLUTE)}
     mass = body.mass() if body.joints and not body.fixed else 0.0
-    for name, link in link_indices(body.body_id, body.physics_client_id).items():
-        friction = Friction(0.0) if slides else given.get(name, Friction())
+    links = link_indices(body.body_id, body.physics_client_id)
+    for name, link in links.items():
+        wheel = name.replace(tyres.ACROSS, '')
+        friction = Friction(0.0) if slides else given.get(wheel, Friction())
         pybullet.changeDynamics(
             body.body_id, link, lateralFriction=friction.largest,
             anisotropicFriction=_scales(
                 body, link, friction.at_most(FLOOR_FRICTION) if body.fixed and link == -1
-                else friction, axles.get(name)), **client)
+                else friction), **client)
         if mass:
+            # that of a wheel whose contacts are there twice is that of one
+            share = mass / (1 + (wheel + tyres.ACROSS in links))
             pybullet.changeDynamics(
-                body.body_id, link, contactStiffness=mass * _JOINTED_N_M,
-                contactDamping=mass * _JOINTED_N_S_M, **client)
+                body.body_id, link, contactStiffness=share * _JOINTED_N_M,
+                contactDamping=share * _JOINTED_N_S_M, **client)
 
 
-def _scales(body: Body, link: int, friction: Friction, axle: Optional[np.ndarray]) -> List[float]:
+def _scales(body: Body, link: int, friction: Friction) -> List[float]:
     """Return by what friction is scaled along the axes of a link's center of mass.
 
-    axle (3,): of a link that turns, a unit vector. Without a direction, mu holds along y of the
-    world and mu2 along x, as on a floor in ODE, at the heading with which the body was loaded.
+    Without a direction, mu holds along y of the world and mu2 along x, as on a floor in ODE, at
+    the heading with which the body was loaded.
     """
     if friction.mu == friction.across and not friction.direction:
         return [1.0, 1.0, 1.0]
@@ -87,11 +88,6 @@ def _scales(body: Body, link: int, friction: Friction, axle: Optional[np.ndarray
     to_center = rotations.matrix(pybullet.getDynamicsInfo(body.body_id, link, **client)[4]).T
     direction = np.array(friction.direction) / np.linalg.norm(friction.direction)
     scales = np.full(3, friction.across)
-    if axle is not None and abs(axle @ direction) < _PARALLEL:
-        # The direction turns with the wheel, and is not always along the floor: then friction is
-        # weaker in ODE, by the cosine of the angle, both along and across.
-        scales = np.full(3, friction.mu * (2 * _MEAN_COSINE - 1))
-        scales[np.argmax(np.abs(to_center @ axle))] = friction.across * _MEAN_COSINE
     scales[np.argmax(np.abs(to_center @ direction))] = friction.mu
     return (scales / friction.largest).tolist()
 

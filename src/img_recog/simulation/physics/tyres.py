@@ -4,17 +4,20 @@ A cylinder on a plane touches it with both edges in Gazebo, or with the lower on
 leans. PyBullet finds one or the other, whichever is lower by a hair: then wheels are farther apart
 than they look, or nearer, and the load is anywhere. So a wheel has a narrow tread at each edge
 that touches, and the rest of it does not reach the floor. A wheel that is a mesh becomes a
-cylinder: the convex hull of PyBullet has corners, and is 1 mm larger.
+cylinder: the convex hull of PyBullet has corners, and is 1 mm larger. One with a direction of
+friction has all of that twice, see directions.py.
 """
 import dataclasses
 from typing import Collection, Iterator
 
 import numpy as np
 
-from img_recog.model import CONTINUOUS, CYLINDER, REVOLUTE, Joint, Model, Shape, Solid
+from img_recog.model import (CONTINUOUS, CYLINDER, FIXED, REVOLUTE, SPHERE, Joint, Link, Model,
+                             Shape, Solid)
 from img_recog.rotations import IDENTITY, Transform
 from img_recog.simulation.physics.wheels import axis_of, mesh_outline
 
+ACROSS = '::across'     # in the name of the second link of a wheel
 _TREAD_M = 0.002
 _MIN_LEAN = 1e-4        # rad, of an axle: ODE's tolerance
 # what is nearer to the floor makes contacts (the breaking threshold of Bullet), which take time
@@ -28,6 +31,7 @@ def added(model: Model, driven: Collection[str] = ()) -> Model:
     driven: the joints of wheels, which are round also if they are meshes.
     """
     links = {link.name: link for link in model.links}
+    joints = list(model.joints)
     for joint in model.joints:
         if joint.kind in (CONTINUOUS, REVOLUTE):
             wheel, axis = links[joint.child], axis_of(joint)
@@ -35,7 +39,17 @@ def added(model: Model, driven: Collection[str] = ()) -> Model:
                       ] if joint.name in driven else wheel.solids
             links[joint.child] = wheel._replace(
                 solids=tuple(part for solid in solids for part in _shod(solid, joint)))
-    return dataclasses.replace(model, links=tuple(links.values()))
+            if wheel.surface.direction and all(_is_round(solid, axis) for solid in solids):
+                second = joint.child + ACROSS
+                links[second] = Link(second, solids=links[joint.child].solids, space=wheel.space)
+                joints.append(Joint(second, FIXED, joint.child, second))
+    return dataclasses.replace(model, links=tuple(links.values()), joints=tuple(joints))
+
+
+def _is_round(solid: Solid, axis: np.ndarray) -> bool:
+    """Return whether a solid is a sphere, or a cylinder along an axis (3,), a unit vector."""
+    return solid.shape.kind == SPHERE or (
+        solid.shape.kind == CYLINDER and abs(solid.pose.rotation[:, 2] @ axis) > _PARALLEL)
 
 
 def _round(solid: Solid, axis: np.ndarray) -> Solid:
@@ -59,7 +73,7 @@ def _shod(solid: Solid, joint: Joint) -> Iterator[Solid]:
     treads, and those; other solids as they are.
     """
     if (solid.shape.kind != CYLINDER or solid.shape.size[1] <= _TREAD_M
-            or abs(solid.pose.rotation[:, 2] @ axis_of(joint)) <= _PARALLEL):
+            or not _is_round(solid, axis_of(joint))):
         yield solid
         return
     radius, length = solid.shape.size

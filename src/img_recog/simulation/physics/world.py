@@ -10,6 +10,7 @@ from img_recog.model import PLANE, Frame, Friction, Link, Model, Shape, Solid, T
 from img_recog.simulation.physics import build, crowding, friction, gears, standing, tyres
 from img_recog.simulation.physics.body import Body
 from img_recog.simulation.physics.client import all_or_nothing
+from img_recog.simulation.physics.directions import Directions
 from img_recog.simulation.physics.forces import Forces
 from img_recog.simulation.physics.framed_body import FramedBody
 from img_recog.simulation.physics.meeting import Meeting
@@ -46,6 +47,7 @@ class World:
         self.solids, self._meeting = Solids(physics_client_id), Meeting(physics_client_id)
         self._forces: Dict[int, Forces] = {}
         self._gears: Dict[int, List[int]] = {}
+        self._directions: Dict[int, Directions] = {}
         self.pushes = Pushes()
         self.file, self.revision = file._replace(trees=()), 0
         self.bodies: List[FramedBody] = []
@@ -144,12 +146,16 @@ class World:
             lines += ['{}: {}'.format(body.name, line) for line in forces.warnings]
             if forces:
                 self._forces[body.body_id] = forces
+            directions = Directions(body)
+            if directions:
+                self._directions[body.body_id] = directions
         return lines
 
     def _let_go(self, body: Body) -> None:
         """Undo `adopt`; call it before the body is removed."""
         self._meeting.forget(body)
         self._forces.pop(body.body_id, None)
+        self._directions.pop(body.body_id, None)
         gears.remove(self._gears.pop(body.body_id), self.physics_client_id)
         self.pushes.forget(body)
 
@@ -182,6 +188,7 @@ class World:
         # local names: this is the innermost loop
         step, physics_client_id = pybullet.stepSimulation, self.physics_client_id
         acting = [forces.apply for forces in self._forces.values()]
+        acting += [directions.update for directions in self._directions.values()]
         if self.pushes:
             acting.append(self.pushes.apply)
         if self._pairs.needs_updates:
@@ -197,6 +204,8 @@ class World:
         for body in self.bodies:
             body.reset()
         self._pairs.reset()
+        for directions in self._directions.values():
+            directions.reset()
 
     def notify_changed(self) -> None:
         """Call after a body was added or removed."""
