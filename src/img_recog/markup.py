@@ -285,7 +285,7 @@ def load_yaml(text: bytes) -> Any:
     try:
         loader = _yaml_loader()(text)
         node = loader.get_single_node()
-        _refuse_twice(node, set())
+        _refuse_twice(loader, node, set())
         return None if node is None else loader.construct_document(node)
     except MarkupError:
         raise
@@ -300,19 +300,24 @@ def load_yaml(text: bytes) -> Any:
         raise MarkupError(one_line(error))
 
 
-def _refuse_twice(node: Any, known: Set[int]) -> None:
-    """Raise MarkupError if a mapping of YAML has a key twice: PyYAML would take the last one."""
+def _refuse_twice(loader: Any, node: Any, known: Set[int]) -> None:
+    """Raise MarkupError if a mapping of YAML has a key twice: PyYAML would take the last one.
+
+    1, 1.0 and true are one key in Python.
+    """
     if id(node) in known or not isinstance(getattr(node, 'value', None), list):
         return
     known.add(id(node))     # by an alias, it may be in many places
-    lines: Dict[Tuple[str, str], int] = {}
+    first: Dict[Any, Any] = {}
     for each in node.value:
         parts = each if isinstance(each, tuple) else (each,)
         if len(parts) > 1 and isinstance(parts[0].value, str) and parts[0].value != _MERGE:
-            key, line = (parts[0].tag, parts[0].value), parts[0].start_mark.line + 1
-            if key in lines:
+            key = loader.construct_object(parts[0])
+            if key in first:
+                both = first[key], parts[0]
                 raise MarkupError('{} is given twice, in lines {} and {}'.format(
-                    shortened(parts[0].value), lines[key], line))
-            lines[key] = line
+                    ' or '.join(dict.fromkeys(shortened(each.value) for each in both)),
+                    *(each.start_mark.line + 1 for each in both)))
+            first[key] = parts[0]
         for part in parts:
-            _refuse_twice(part, known)
+            _refuse_twice(loader, part, known)

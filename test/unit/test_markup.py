@@ -221,7 +221,12 @@ def test_an_error_of_yaml_has_its_place():
 @pytest.mark.parametrize('text, problem', [
     (b'a: 1\nb: 2\n"a": 3\n', 'a is given twice, in lines 1 and 3'),
     (b'- {x: 1, x: 1}\n', 'x is given twice, in lines 1 and 1'),
-    (b'b: &b {c: {d: 1}}\ne: [*b, {c: 1,\n c: 2}]\n', 'c is given twice, in lines 2 and 3')])
+    (b'b: &b {c: {d: 1}}\ne: [*b, {c: 1,\n c: 2}]\n', 'c is given twice, in lines 2 and 3'),
+    (b'1: a\n2: b\ntrue: c\n', '1 or true is given twice, in lines 1 and 3'),
+    (b'1: a\n1.0: b\n', '1 or 1.0 is given twice, in lines 1 and 2'),
+    (b'yes: a\non: b\n', 'yes or on is given twice, in lines 1 and 2'),
+    (b'16: a\n0x10: b\n', '16 or 0x10 is given twice, in lines 1 and 2'),
+    (b'a: &a x\nb: {*a : 1, *a : 2}\n', 'x is given twice, in lines 1 and 1')])
 def test_a_key_of_yaml_that_is_given_twice_is_named(text, problem):
     assert refusal(markup.load_yaml, text) == problem
 
