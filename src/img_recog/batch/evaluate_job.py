@@ -104,7 +104,7 @@ def _read_truth(path: str, named: Dict[str, str], sets: Sequence[ColorSet]) -> T
     truth: Truth = {}
     colors = sorted({color.name for each in sets for color in each.settings.colors})
     try:
-        with open(path, newline='') as file:
+        with open(path, newline='', encoding='utf-8-sig') as file:     # Excel writes a BOM
             rows = csv.DictReader(file)
             missing = [name for name in _TRUTH if name not in (rows.fieldnames or ())]
             if missing:
@@ -119,8 +119,12 @@ def _read_truth(path: str, named: Dict[str, str], sets: Sequence[ColorSet]) -> T
                 if row['in_view'] not in ('0', '1') or not row['frame'].isdigit():
                     raise UserError('--truth {}, line {}: expected a number as frame, and 0 or 1 '
                                     'as in_view'.format(path, rows.line_num))
-                truth.setdefault(row['recording'], {})[int(row['frame']), row['color']] = (
-                    row['in_view'] == '1')
+                in_view = row['in_view'] == '1'
+                if in_view != truth.setdefault(row['recording'], {}).setdefault(
+                        (int(row['frame']), row['color']), in_view):
+                    raise UserError('--truth {}, line {}: a line before it says the opposite of '
+                                    'frame {} and {}'.format(path, rows.line_num, row['frame'],
+                                                             row['color']), 'remove one of both')
     except (OSError, csv.Error, UnicodeDecodeError) as error:
         raise UserError('--truth: cannot read {}: {}'.format(path, one_line(error)))
     return truth

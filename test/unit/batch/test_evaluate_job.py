@@ -87,7 +87,7 @@ def test_the_path_is_that_of_replay(folder, monkeypatch):
 def test_truth_gives_precision_and_recall(folder, monkeypatch):
     lines = ['recording,frame,color,in_view'] + [
         'film.avi,{},green,{}'.format(frame, int(frame in (3, 4, 5))) for frame in range(1, 7)]
-    (folder / 'truth.csv').write_text('\n'.join(lines))
+    (folder / 'truth.csv').write_text('\n'.join(lines), encoding='utf-8-sig')    # as of Excel
     assert run(monkeypatch, 'film.avi', '--colors', 'low.yaml', 'high.yaml', '--truth',
                'truth.csv') == 0
     report = (folder / 'film.evaluated.md').read_text()
@@ -142,7 +142,9 @@ def test_images_that_cannot_be_used_are_counted(folder, monkeypatch, capsys, cap
 @pytest.mark.parametrize('line, words', [
     ('other.avi,1,green,1', 'line 2: there is no recording other.avi'),
     ('film.avi,1,gren,1', 'there is no color gren; did you mean green?'),
-    ('film.avi,1,green,yes', 'expected a number as frame, and 0 or 1')])
+    ('film.avi,1,green,yes', 'expected a number as frame, and 0 or 1'),
+    ('film.avi,3,green,1\nfilm.avi,4,green,1\nfilm.avi,3,green,0\n', 'line 4: a line before it '
+     'says the opposite of frame 3 and green; remove one of both')])
 def test_truth_that_is_refused(folder, monkeypatch, caplog, line, words):
     (folder / 'truth.csv').write_text('recording,frame,color,in_view\n' + line)
     assert run(monkeypatch, 'film.avi', '--colors', 'low.yaml', '--truth', 'truth.csv') == 1
