@@ -48,7 +48,7 @@ def _robot(path: str) -> Iterator[str]:
     yield from ('warning ' + line for line in built.warnings)
     vehicle = built.simulator.vehicles[0]
     yield 'drive ' + _plain(dataclasses.asdict(robot.settings.drive))
-    for sensor in vehicle.sensors:
+    for sensor in (each for each in vehicle.sensors if not each.kind.is_drawn):
         yield 'sensor {} on {} {}'.format(sensor.name, _plain(sensor.place),
                                           _plain(vehicle.settings.sensors[sensor.name]))
     yield from ('camera ' + _plain(camera) for camera in robot.cameras)

@@ -3,8 +3,10 @@ from typing import NamedTuple, Sequence
 
 from img_recog.formats import camera_tags, gazebo_tags, lumping, urdf
 from img_recog.model import Tag
-from img_recog.simulation.sensors import robot_camera
+from img_recog.simulation.robot_spec import settings_in_tag
+from img_recog.simulation.sensors.sensor import sensors_of
 from img_recog.simulation.settings import CameraSettings
+from img_recog_testing.robots import CAMERA
 
 
 def given(text, find=lambda uri: None):
@@ -35,7 +37,7 @@ def cameras(text):
     root = urdf.root_of(text)
     found, problems = camera_tags.read(_tags(root), [
         link.get('name') for link in root.findall('link')])
-    return Cameras(tuple(map(robot_camera.settings_of, found)), tuple(problems))
+    return Cameras(tuple(map(settings_in_tag, sensors_of([CAMERA], found))), tuple(problems))
 
 
 def tags(text, step_s=0.001, readers=()):

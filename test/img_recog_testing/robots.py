@@ -8,6 +8,7 @@ from img_recog.simulation import assembly
 from img_recog.simulation.robot_spec import read_robot
 from img_recog.simulation.settings import PhysicsSettings, RobotSettings, SpawnSettings
 
+CAMERA, = (kind for kind in SENSORS if kind.is_drawn)
 GROUPS = 'spawn', 'drive', 'noise'
 FOLDER = os.path.join(os.path.dirname(os.path.abspath(__file__)), '..', '..', 'urdf')
 WORLDS = {'turtlebot3_world': os.path.join(FOLDER, 'turtlebot3_world.urdf')}
@@ -20,14 +21,18 @@ def burger():
 
 
 def assemble(world_name='empty', x=0.0, y=0.0, yaw=0.0, z=0.0, urdf=None, find_mesh=None,
-             allow_partial=False, unused_sensors=(), option_name=str, **settings):
+             allow_partial=False, unused_sensors=(), option_name=str, cameras=(), **settings):
     """Return the assembly of a robot, by default the burger, in a world; **settings: see below.
     """
     physics = PhysicsSettings(world=world_name)
     robot = read(burger() if urdf is None else urdf, 'robot_description', find_mesh)
+    given = {**{each.name: robot.settings.sensors[each.name] for each in robot.sensors
+                if each.kind.is_drawn}, **settings}
+    robot = robot._replace(settings=settings_of(x, y, yaw, z, **given))
+    for camera in cameras:
+        robot = robot.with_sensor(CAMERA, camera)
     world = world_file.read(world_name, WORLDS, allow_partial=allow_partial)
-    return assembly.build(physics, world, [robot._replace(settings=settings_of(
-        x, y, yaw, z, **settings))], unused_sensors, option_name)
+    return assembly.build(physics, world, [robot], unused_sensors, option_name)
 
 
 @functools.lru_cache(maxsize=16)         # it takes as long as the rest of a simulator

@@ -54,7 +54,8 @@ NODES = {
 TOPICS = {'gazebo': {kind.topic(kind.settings()): kind.msg_type._type for kind in SENSORS
                      if not kind.missing}}
 # of dynamic_reconfigure alone: parameters that are among those above; and no parameters
-PARTS = {RuntimeSettings, *(kind.settings for kind in SENSORS if kind.only_in_tags)}
+PARTS = {RuntimeSettings, *(kind.settings for kind in SENSORS
+                            if kind.only_in_tags and not kind.is_drawn)}
 NAME = r'[~/]?[a-z][a-z0-9_]*(?:/[a-z0-9_]+)*'
 TYPE = r'(?:[a-z0-9_]+_msgs|std_srvs|dynamic_reconfigure)(?:/\w+)?'
 

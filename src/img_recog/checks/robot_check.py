@@ -15,7 +15,7 @@ from img_recog.formats.world_file import EMPTY
 from img_recog.markup import MarkupError, load_yaml, read_bytes
 from img_recog.simulation.physics import wheels
 from img_recog.simulation.robot_spec import RobotSpec
-from img_recog.simulation.settings import CameraSettings, PhysicsSettings
+from img_recog.simulation.settings import PhysicsSettings
 from img_recog.simulation.simulator import Simulator
 from img_recog.simulation.vehicle import Vehicle
 
@@ -44,7 +44,7 @@ def check(path: str, parameters: Sequence[str] = ()) -> Report:
     simulator, vehicle = built.simulator, built.simulator.vehicles[0]
     seen = looks.read(simulator)
     rows = [*_body(vehicle, seen), *_friction(robot), *_drive(robot),
-            *_sensors(robot, vehicle), *map(_camera, robot.cameras),
+            *_sensors(robot, vehicle),
             *(Row(NOT_SIMULATED, 'joint ' + each) for each in robot.model.left_out),
             *(Row(NOT_SIMULATED, each) for each in robot.not_simulated),
             *rows_of(robot.findings),
@@ -126,6 +126,9 @@ def _drive(robot: RobotSpec) -> Iterator[Row]:
 def _sensors(robot: RobotSpec, vehicle: Vehicle) -> Iterator[Row]:
     for name, kind, _, _, place, *_ in robot.sensors:
         settings = vehicle.settings.sensors[name]
+        if kind.is_drawn:
+            yield _camera(settings)
+            continue
         if name in vehicle.missing_sensors:
             yield Row(NOT_SIMULATED, name, 'no link ' + vehicle.missing_sensors[name])
             continue
@@ -137,7 +140,7 @@ def _sensors(robot: RobotSpec, vehicle: Vehicle) -> Iterator[Row]:
             '<gazebo> tag' if is_given else 'default')
 
 
-def _camera(camera: CameraSettings) -> Row:
+def _camera(camera: Any) -> Row:
     topics = ', '.join(filter(None, (
         camera.camera_image_topic, camera.camera_depth_topic, camera.camera_points_topic)))
     return Row(SIMULATED, 'camera on ' + camera.camera_frame, '{}: {}x{}, {:g} Hz, {}'.format(

@@ -17,7 +17,6 @@ from img_recog.simulation.figures import Figures
 from img_recog.simulation.models import Models
 from img_recog.simulation.pictures import visual_scene
 from img_recog.simulation.pictures.visual_scene import Parts
-from img_recog.simulation.sensors.robot_camera import RobotCamera
 from img_recog.simulation.settings import PhysicsSettings, SpawnSettings
 
 _EXPECTED = {'--twist': 'V,W: two numbers, m/s and rad/s',
@@ -130,11 +129,13 @@ class Run:
         drawn_by.load(visual_scene.read(self._built.scene, parts), parts.poses())
         os.makedirs(folder, exist_ok=True)
         for carrier in self._simulator.carriers:
-            for settings, name in zip(carrier.spec.cameras, carrier.spec.camera_names):
-                exposure = RobotCamera(carrier.robot, settings, parts.poses).read()
-                image = lens_views.draw(drawn_by, robot_cameras.camera_of(settings),
+            names = {each.name: each.label for each in carrier.sensors}
+            for sensor, camera in carrier.cameras.items():
+                camera.poses, name = parts.poses, names[sensor]
+                exposure = camera.read()
+                image = lens_views.draw(drawn_by, robot_cameras.camera_of(camera.settings),
                                         exposure.camera_pose, exposure.poses)
-                noise = robot_cameras.noise_of(settings)
+                noise = robot_cameras.noise_of(camera.settings)
                 if noise is not None:
                     noise.add(image, zlib.crc32(name.encode()))
                 path = os.path.join(folder, re.sub('[^A-Za-z0-9_.-]+', '_', name) + '.png')

@@ -1,16 +1,17 @@
 """The sensors of a simulated robot: a row each.
 
 The simulator's tags, settings, noise and readings, the topics of the node, the replay and the test
-of the documentation go by this table. Cameras are not in it: their images are drawn by another
-process.
+of the documentation go by this table. The images of cameras are drawn by another process.
 """
 from nav_msgs.msg import Odometry
-from sensor_msgs.msg import Imu, JointState, LaserScan, Range
+from sensor_msgs.msg import Image, Imu, JointState, LaserScan, Range
 
 from img_recog.conversions import contact_msgs, robot_msgs
+from img_recog.formats import camera_tags
 from img_recog.simulation.sensors import (contact_sensor, imu, joint_states, laser_scanner,
-                                          odometry, range_sensor)
+                                          odometry, range_sensor, robot_camera)
 from img_recog.simulation.sensors.sensor import SensorKind
+from img_recog.simulation.settings import CameraSettings
 
 # sensors are read, and their readings published, in this order
 SENSORS = (
@@ -27,4 +28,6 @@ SENSORS = (
     SensorKind('contact', contact_sensor.ContactSettings, contact_sensor.ContactSensor,
                contact_sensor.TAGS, contact_msgs.ContactsState, contact_msgs.to_msg,
                noise_number=6, only_in_tags=True, missing=contact_msgs.MISSING),
+    SensorKind(robot_camera.CAMERA, CameraSettings, robot_camera.make, camera_tags.TAGS, Image,
+               None, noise_number=7, only_in_tags=True),
 )

@@ -3,54 +3,35 @@
 They are the sensors with a camera plugin of gazebo_plugins; camera_values.py reads their values.
 """
 import xml.etree.ElementTree as ElementTree
-from typing import Container, Dict, List, NamedTuple, Optional, Sequence, Tuple
+from typing import Container, Dict, List, Sequence, Tuple
 
 from img_recog.formats import camera_values
-from img_recog.formats.camera_values import Values
+from img_recog.formats.gazebo_tags import SensorTag, Tags
 from img_recog.formats.texts import name_of
-from img_recog.model import Tag
+from img_recog.model import Frame, Tag
+from img_recog.rotations import IDENTITY
 
-_PLUGINS = {'camera': ('gazebo_ros_camera',), 'wideanglecamera': ('gazebo_ros_camera',),
-            'multicamera': ('gazebo_ros_multicamera',),
-            'depth': ('gazebo_ros_openni_kinect', 'gazebo_ros_depth_camera')}
-TYPES = tuple(_PLUGINS)
+TAGS = Tags((), ())         # they are read here
 _TOPICS = ('camera_image_topic', 'camera_info_topic', 'camera_depth_topic',
            'camera_depth_info_topic', 'camera_points_topic')
 
 
-class Camera(NamedTuple):
-    """A camera; sensor: the name of that; values: settings by name; is_bare: whether it has no
-    plugin that publishes its images.
-    """
-
-    sensor: str
-    values: Values
-    is_bare: bool = False
-
-
-def plugin_of(sensor: ElementTree.Element) -> Optional[ElementTree.Element]:
-    """Return the plugin of a <sensor> that publishes the images of a camera, None for none."""
-    words = _PLUGINS.get(sensor.get('type', ''), ())
-    return next((plugin for plugin in sensor.findall('plugin')
-                 if any(word in plugin.get('filename', '') for word in words)), None)
-
-
 def read(tags: Sequence[Tag], links: Container[str],
-         with_bare: bool = False) -> Tuple[List[Camera], List[str]]:
+         with_bare: bool = False) -> Tuple[List[SensorTag], List[str]]:
     """Return the cameras of a model, in their order, and what of them is not simulated.
 
     links: the names of those that can carry one; with_bare: whether those without a plugin count
     too. Of two cameras with a topic of the same name, the first one counts.
     Raises SimulationError when a value cannot be read.
     """
-    found: List[Camera] = []
+    found: List[SensorTag] = []
     problems: List[str] = []
     owners: Dict[str, str] = {}         # of topics
     for link, element in tags:
         for sensor in element.findall('sensor'):
-            plugin, is_bare = plugin_of(sensor), False
+            plugin, is_bare = camera_values.plugin_of(sensor), False
             if plugin is None:
-                is_bare = with_bare and sensor.get('type') in TYPES
+                is_bare = with_bare and sensor.get('type') in camera_values.TYPES
                 if not is_bare:
                     continue
                 plugin = ElementTree.Element('plugin')
@@ -69,7 +50,8 @@ def read(tags: Sequence[Tag], links: Container[str],
                 taken = next((topic for topic in topics if topic in owners), None)
                 if taken is None:
                     owners.update(dict.fromkeys(topics, name))
-                    found.append(Camera(name, values, is_bare))
+                    found.append(SensorTag(TAGS, values, Frame(link, IDENTITY), name,
+                                           sensor.get('type', ''), is_bare))
                 else:
                     problems.append('sensor {}, because its topic {} is one of sensor {}'.format(
                         name, taken, owners[taken]))

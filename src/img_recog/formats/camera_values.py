@@ -1,6 +1,6 @@
 """The settings of a camera that SDF's <sensor> and the plugins of gazebo_plugins give."""
 import xml.etree.ElementTree as ElementTree
-from typing import Any, Dict, Iterator, List
+from typing import Any, Dict, Iterator, List, Optional
 
 from img_recog import lenses, rotations
 from img_recog.errors import SimulationError
@@ -11,6 +11,10 @@ from img_recog.rotations import Transform, transform
 
 Values = Dict[str, Any]
 
+_PLUGINS = {'camera': ('gazebo_ros_camera',), 'wideanglecamera': ('gazebo_ros_camera',),
+            'multicamera': ('gazebo_ros_multicamera',),
+            'depth': ('gazebo_ros_openni_kinect', 'gazebo_ros_depth_camera')}
+TYPES = tuple(_PLUGINS)
 _LEFT, _RIGHT = 'left', 'right'
 _DEPTH, _WIDE = 'depth', 'wideanglecamera'
 _POSE = ('camera_x', 'camera_y', 'camera_z', 'camera_roll', 'camera_pitch', 'camera_yaw')
@@ -32,6 +36,13 @@ _LENS_SIZE = {'lens/env_texture_size': 'camera_env_texture_size'}
 # in the plugin; Gazebo writes them to the camera info, and does not distort the image by them
 _CLAIMED_DISTORTION = tuple('distortion' + name for name in ('K1', 'K2', 'K3', 'T1', 'T2'))
 _OTHER_TOPICS = {'reflectanceTopicName': 'reflectance', 'normalsTopicName': 'normals'}
+
+
+def plugin_of(sensor: ElementTree.Element) -> Optional[ElementTree.Element]:
+    """Return the plugin of a <sensor> that publishes the images of a camera, None for none."""
+    words = _PLUGINS.get(sensor.get('type', ''), ())
+    return next((plugin for plugin in sensor.findall('plugin')
+                 if any(word in plugin.get('filename', '') for word in words)), None)
 
 
 def side_of(camera: ElementTree.Element) -> str:

@@ -10,7 +10,7 @@ import xml.etree.ElementTree as ElementTree
 from typing import Any, Callable, Dict, Iterator, List, Mapping, NamedTuple, Optional, Sequence
 
 from img_recog.errors import SimulationError
-from img_recog.formats import camera_tags
+from img_recog.formats import camera_values
 from img_recog.formats.numbers import read_numbers, whole
 from img_recog.formats.texts import name_of, text_of
 from img_recog.model import Frame, Tag
@@ -163,8 +163,8 @@ def _parts(tags: Sequence[Tag], readers: Sequence[Tags], with_bare: bool) -> Ite
 def _sensor_parts(sensor: ElementTree.Element, link: str, readers: Sequence[Tags],
                   with_bare: bool) -> Iterator[_Part]:
     plugins = sensor.findall('plugin')
-    camera = camera_tags.plugin_of(sensor)
-    if camera is not None or with_bare and sensor.get('type') in camera_tags.TYPES:
+    camera = camera_values.plugin_of(sensor)
+    if camera is not None or with_bare and sensor.get('type') in camera_values.TYPES:
         for plugin in plugins:
             if plugin is not camera:
                 yield _Part((), _label(plugin, 'filename'), link, sensor, plugin)

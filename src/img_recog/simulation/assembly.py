@@ -98,7 +98,7 @@ def add_sensors(simulator: Simulator, kinds: Sequence[SensorKind], with_bare: bo
             warnings.append('{}; its sensors are not simulated'.format(one_line(error)))
             continue
         warnings += spec.warnings
-        if spec.sensors or spec.cameras:
+        if spec.sensors:
             simulator.add_carrier(carrier)
     return warnings
 

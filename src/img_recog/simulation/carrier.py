@@ -1,11 +1,10 @@
 """A body with sensors that are read once in a period each."""
 import dataclasses
 import sys
-from typing import Any, Callable, Collection, Dict, List, NamedTuple, Optional, Set
+from typing import Any, Collection, Dict, List, NamedTuple, Optional, Set
 
 import numpy as np
 
-from img_recog.settings import nearest_period
 from img_recog.simulation.physics.drive import Drive
 from img_recog.simulation.physics.framed_body import FramedBody
 from img_recog.simulation.physics.world import World
@@ -13,9 +12,7 @@ from img_recog.simulation.robot_spec import RobotSpec
 from img_recog.simulation.sensors.rays import RaySensor
 from img_recog.simulation.sensors.robot_camera import RobotCamera
 from img_recog.simulation.sensors.sensor import Mount, RobotSensor, ScheduledSensor
-from img_recog.simulation.settings import CameraSettings, whole_steps
 
-CAMERA = 'image'        # the kind of sensor that is no row of the table of sensors
 _NEVER = sys.maxsize
 
 
@@ -37,8 +34,8 @@ class Carrier:
     """A model with sensors: one that stands in the world, or as a Vehicle, a robot that drives.
 
     spec: what it was made from; robot: the body; settings: those of all sensors, in which an
-    empty frame is the root link; sensors: all but cameras; missing_sensors: those that were left
-    out, and the links for them that the robot does not have.
+    empty frame is the root link; missing_sensors: those that were left out, and the links for
+    them that the robot does not have.
     """
 
     def __init__(self, spec: RobotSpec, world: World, robot: FramedBody,
@@ -53,7 +50,7 @@ class Carrier:
         self.missing_sensors: Dict[str, str] = {}
         for each in self.sensors:
             self._mount(each, self.settings.sensors[each.name], drive)
-        self._enabled = list(self._sensors.values())
+        self._enabled = [each for each in self._sensors.values() if each.enabled]
         self._steps: Optional[int] = None       # the last ones that it was told of
 
     def _mount(self, sensor: RobotSensor, settings: Any, drive: Optional[Drive]) -> None:
@@ -68,30 +65,20 @@ class Carrier:
         if place:
             mount = 'sensor ' + sensor.name
             self.robot.add_mount(mount, *place)
-        period = kind.name + '_period_s'
         # a generator each: the noise of one sensor does not depend on whether another is read
         noise = np.random.RandomState((self.settings.noise.seed, kind.noise_number)
                                       + (sensor.number,) * bool(sensor.number))
         self._sensors[sensor.name] = ScheduledSensor(
-            sensor.name, kind.name,
-            whole_steps(period, getattr(settings, period), self._world.step_s),
+            sensor.name, kind.name, kind.period_steps(settings, self._world.step_s),
             kind.make(Mount(self.robot, self._world, noise, drive, mount, link,
                             sensor.values.get(kind.name + '_noises', ())), settings))
+        self._sensors[sensor.name].enabled = not kind.is_drawn
 
-    def mount_camera(self, settings: CameraSettings, poses: Callable[[], np.ndarray]) -> str:
-        """Add a camera, which is disabled; return the name of the sensor.
-
-        poses: returns the poses (n, 7) of all parts of the scene.
-        Raises SimulationError when the robot has no link for it.
-        """
-        name = 'camera_{}'.format(sum(isinstance(each.sensor, RobotCamera)
-                                      for each in self._sensors.values()))
-        camera = RobotCamera(self.robot, settings, poses)
-        period_s = nearest_period(settings.camera_rate, self._world.step_s)
-        self._sensors[name] = ScheduledSensor(
-            name, CAMERA, whole_steps('camera_rate', period_s, self._world.step_s), camera)
-        self._sensors[name].enabled = False
-        return name
+    @property
+    def cameras(self) -> Dict[str, RobotCamera]:
+        """The cameras by the names of their sensors."""
+        return {name: scheduled.sensor for name, scheduled in self._sensors.items()
+                if isinstance(scheduled.sensor, RobotCamera)}
 
     def set_sensor_enabled(self, sensor: str, enabled: bool) -> None:
         """Enable or disable a sensor; does nothing when the robot does not have it.

@@ -1,7 +1,8 @@
 """What a robot, or a model with sensors, is made from: its file and its settings."""
 import dataclasses
 import xml.etree.ElementTree as ElementTree
-from typing import Any, Callable, Iterator, Mapping, NamedTuple, Sequence, Tuple, Union
+from typing import (Any, Callable, Iterator, List, Mapping, NamedTuple, Sequence, Tuple, Union,
+                    cast)
 
 from img_recog import rotations
 from img_recog.errors import SimulationError, shortened
@@ -15,8 +16,8 @@ from img_recog.model import Model, Tree
 from img_recog.settings import SettingError, from_mapping
 from img_recog.simulation.names import Names
 from img_recog.simulation.physics import wheels
-from img_recog.simulation.sensors import robot_camera
-from img_recog.simulation.sensors.sensor import RobotSensor, SensorKind, sensors_of
+from img_recog.simulation.sensors.sensor import (RobotSensor, SensorKind, numbered,
+                                                 sensors_of)
 from img_recog.simulation.settings import (CameraSettings, DriveSettings, NoiseSettings,
                                            RobotSettings, SpawnSettings, names_in)
 
@@ -28,12 +29,11 @@ ReadSettings = Callable[[type, Mapping[str, Any]], Any]
 class RobotSpec(NamedTuple):
     """A robot, or a model with sensors.
 
-    source: what messages call its text, like robot_description or the path of a file; sensors:
-    all but cameras; tag_values: the settings in its <gazebo> tags of what is there once and of the
-    first sensor of each kind, by name; cameras: those in its tags, and camera_names: of their
-    <sensor>s; warnings: a line each; not_simulated: what is in its tags; findings: what else
-    is not done as asked. names: of its topics and frames. has_place: whether it starts where its
-    settings say; else that is where the nearest free place is searched.
+    source: what messages call its text, like robot_description or the path of a file;
+    tag_values: the settings in its <gazebo> tags of what is there once and of the first sensor of
+    each kind, by name; warnings: a line each; not_simulated: what is in its tags; findings: what
+    else is not done as asked. names: of its topics and frames. has_place: whether it starts where
+    its settings say; else that is where the nearest free place is searched.
     """
 
     source: str
@@ -41,11 +41,9 @@ class RobotSpec(NamedTuple):
     settings: RobotSettings = RobotSettings()
     sensors: Sequence[RobotSensor] = ()
     tag_values: Mapping[str, Any] = {}
-    cameras: Sequence[CameraSettings] = ()
     warnings: Tuple[str, ...] = ()
     not_simulated: Tuple[str, ...] = ()
     findings: Tuple[Finding, ...] = ()
-    camera_names: Tuple[str, ...] = ()
     names: Names = Names()
     has_place: bool = True
 
@@ -53,6 +51,19 @@ class RobotSpec(NamedTuple):
     def name(self) -> str:
         """The name of the robot."""
         return self.model.name
+
+    @property
+    def cameras(self) -> List[CameraSettings]:
+        """The settings of its cameras."""
+        return [cast(CameraSettings, self.settings.sensors[each.name])
+                for each in self.sensors if each.kind.is_drawn]
+
+    def with_sensor(self, kind: SensorKind, settings: Any) -> 'RobotSpec':
+        """Return the robot with one more sensor of a kind, which is in no file."""
+        number = sum(each.kind == kind for each in self.sensors)
+        name = numbered(kind, number)
+        return self._replace(sensors=[*self.sensors, RobotSensor(name, kind, number)]).changed(
+            sensors={**self.settings.sensors, name: settings})
 
     def renamed(self, name: str) -> 'RobotSpec':
         """Return the robot with another name."""
@@ -87,7 +98,6 @@ def read_robot(urdf: Union[str, ElementTree.Element], step_s: float, find: FindF
         found = gazebo_tags.read(tags, step_s, (*([drive.tags] if drive else ()),
                                                 *(kind.read_tags for kind in kinds)))
         cameras, of_cameras = camera_tags.read(tags, model.frames)
-        camera_settings = tuple(map(robot_camera.settings_of, cameras))
         findings = audit.merged([*audit.audit(root), *(Finding(
             audit.NOT_USED, 'the <gazebo> tag, as there is no such link,', (name,))
             for name in unused)])
@@ -100,14 +110,13 @@ def read_robot(urdf: Union[str, ElementTree.Element], step_s: float, find: FindF
         values = drive.settings(found.values) if drive else found.values
         other_drives = () if drive else [part for part in (*found.not_simulated, *of_controllers)
                                          if part.startswith(('plugin', 'controller'))]
-        sensors = sensors_of(kinds, found.sensors)
+        sensors = sensors_of(kinds, [*found.sensors, *cameras])
         return RobotSpec(
             source, model, _settings(model, sensors, values, other_drives, read), sensors, values,
-            camera_settings,
             (*('{}: {}'.format(source, line)
                for line in _warnings(model, of_tags, of_controllers)),
              *audit.warnings(source, findings)),
-            (*of_tags, *of_controllers), findings, tuple(camera.sensor for camera in cameras))
+            (*of_tags, *of_controllers), findings)
     except (SimulationError, SettingError) as error:
         raise refused(source, error.problem, error.advice)
 
@@ -126,22 +135,21 @@ def read_model(tree: Tree, step_s: float, kinds: Sequence[SensorKind],
         found = gazebo_tags.read(model.tags, step_s, (
             *([drive.tags] if drive else ()), *(kind.read_tags for kind in kinds)), with_bare)
         cameras, of_cameras = camera_tags.read(model.tags, model.frames, with_bare)
-        camera_settings = tuple(map(robot_camera.settings_of, cameras))
         of_model = ['plugin ' + plugin.get('filename', '') for tag in model.tags if not tag.link
                     for plugin in tag.element.findall('plugin')]    # the audit names them
         not_simulated = tuple(part for part in dict.fromkeys((*found.not_simulated, *of_cameras))
                               if part not in of_model)
         # what has a place is in a tag; the rest belongs to a drive
-        sensors = [each for each in sensors_of(kinds, found.sensors)
+        sensors = [each for each in sensors_of(kinds, [*found.sensors, *cameras])
                    if each.place is not None or drive and not each.kind.tags.frame]
         values = drive.settings(found.values) if drive else found.values
         settings = _settings_of_tree(tree, sensors, values) if drive else RobotSettings(
-            sensors={each.name: _settings_in_tag(each) for each in sensors})
+            sensors={each.name: settings_in_tag(each) for each in sensors})
         return RobotSpec(
             source, model, dataclasses.replace(settings, noise=settings.noise.of(tree.name)),
-            sensors, values, camera_settings,
+            sensors, values,
             tuple('not simulated, of {}: {}'.format(source, part) for part in not_simulated),
-            not_simulated, camera_names=tuple(camera.sensor for camera in cameras))
+            not_simulated)
     except (SimulationError, SettingError) as error:
         raise refused(source, error.problem, error.advice)
 
@@ -182,7 +190,7 @@ def _settings(model: Model, sensors: Sequence[RobotSensor], tag_values: Mapping[
     return RobotSettings(
         read(SpawnSettings, values), drive, read(NoiseSettings, values),
         {each.name: read(each.kind.settings, values) if each.reads_parameters
-         else _settings_in_tag(each) for each in sensors})
+         else settings_in_tag(each) for each in sensors})
 
 
 def _settings_of_tree(tree: Tree, sensors: Sequence[RobotSensor],
@@ -193,12 +201,13 @@ def _settings_of_tree(tree: Tree, sensors: Sequence[RobotSensor],
                                spawn=SpawnSettings(x_pos=x, y_pos=y, z_pos=z, yaw=yaw))
 
 
-def _settings_in_tag(sensor: RobotSensor) -> Any:
+def settings_in_tag(sensor: RobotSensor) -> Any:
+    """Return the settings of a sensor in a file; SimulationError when one is not allowed."""
     try:
         return from_mapping(sensor.kind.settings, sensor.values)
     except SettingError as error:
-        raise SimulationError('its sensor {}: {}'.format(sensor.name, error.problem),
-                              error.advice)
+        raise SimulationError('its sensor {}: {}'.format(
+            sensor.label if sensor.kind.is_drawn else sensor.name, error.problem), error.advice)
 
 
 def refused(source: str, problem: str, advice: str) -> SimulationError:

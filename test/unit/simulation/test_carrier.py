@@ -75,7 +75,7 @@ def test_an_imu_that_falls_feels_nothing():
 
 def test_cameras_are_named_by_their_sensors():
     spec = carrier(EYE.format(SENSOR.format('cam', 'camera', '<camera/>'))).spec
-    assert spec.camera_names == ('cam',)
+    assert [each.label for each in spec.sensors] == ['cam']
     camera, = spec.cameras
     assert (camera.camera_frame, camera.camera_x, camera.camera_width) == ('eye', 0.1, 320)
 

@@ -74,19 +74,18 @@ class Images:
         self._drawn: Optional[_Exposed] = None
         self._published: Optional[_Exposed] = None
 
-    def add_cameras(self, vehicle: Carrier, cameras: Sequence[CameraSettings],
-                    names: Names) -> None:
-        """Mount cameras on a robot; publish where those are that its URDF does not have.
+    def add_cameras(self, vehicle: Carrier, names: Names) -> None:
+        """Draw the cameras of a robot; publish where those are that its URDF does not have.
 
-        Raises a UserError when the robot has no link for one, or their parameters cannot be used;
-        nothing has changed then.
+        Raises a UserError when their parameters cannot be used; nothing has changed then.
         """
-        if not cameras:
+        if not vehicle.cameras:
             return
+        cameras = [camera.settings for camera in vehicle.cameras.values()]
         seen = [names.seen(each) for each in cameras]
-        sensors = [vehicle.mount_camera(each, self._poses) for each in cameras]
         try:
-            for sensor, each in zip(sensors, seen):
+            for (sensor, camera), each in zip(vehicle.cameras.items(), seen):
+                camera.poses = self._poses
                 self._cameras[vehicle.robot.name, sensor] = vehicle, CameraTopics(
                     each, self._lockstep.redelivery if self._lockstep else None)
         except UserError:

@@ -6,7 +6,7 @@ import rosgraph
 import rospy
 
 from img_recog.settings import Allowed, Settings, above, one_of, setting
-from img_recog.simulation.carrier import CAMERA
+from img_recog.simulation.sensors.robot_camera import CAMERA
 
 # kinds of sensors by the names that users give
 KINDS = {'image': CAMERA, 'scan': 'scan', 'odom': 'odometry', 'imu': 'imu',

@@ -24,6 +24,7 @@ from img_recog.simulation.settings import (CameraSettings, DriveSettings, NoiseS
 ROBOTS = '~robots'
 _MAX_NAME = 100         # characters
 _NO_NAMESPACE = ''
+_CAMERA, = (kind for kind in SENSORS if kind.is_drawn)
 
 
 @dataclass(frozen=True)
@@ -137,8 +138,9 @@ class RobotReader:
                     raise ParameterError('parameter {}: got {}, allowed is a valid topic name'
                                          .format(field, shortened(repr(getattr(each, field)))))
         camera = parameters.read(CameraSettings, {}, *spaces)
-        spec = spec._replace(names=names, cameras=(
-            *spec.cameras, *([camera] if camera.camera_frame else [])))
+        if camera.camera_frame:
+            spec = spec.with_sensor(_CAMERA, camera)
+        spec = spec._replace(names=names)
         return spec.renamed(name) if name else spec
 
 

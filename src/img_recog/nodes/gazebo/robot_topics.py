@@ -84,7 +84,7 @@ class SensorTopics:
         self._publishers: Dict[str, DirectPublisher] = {}
         self._outputs: Dict[str, _Output] = {}
         for each in carrier.sensors:
-            if each.name in carrier.missing_sensors:
+            if each.kind.is_drawn or each.name in carrier.missing_sensors:
                 continue
             topic = names.topic(each.kind.topic(settings[each.name]))
             is_answered = lockstep is not None and each.kind.name in lockstep.kinds

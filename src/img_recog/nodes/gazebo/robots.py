@@ -89,7 +89,7 @@ class Robots:
         topic, or those of its cameras cannot be used.
         """
         check_topics(spec, [each.spec for each in self._all()])
-        self._images.add_cameras(carrier, spec.cameras, spec.names)
+        self._images.add_cameras(carrier, spec.names)
         name = carrier.robot.name
         if not isinstance(carrier, Vehicle):
             self._sensors[name] = SensorTopics(carrier, spec)

@@ -5,7 +5,6 @@ import rospy
 
 from img_recog.errors import SimulationError
 from img_recog.nodes.gazebo import camera_topics
-from img_recog.simulation.names import topic_fields
 from img_recog.simulation.robot_spec import RobotSpec
 
 _TAKEN = '/clock', '/tf', '/tf_static', '/rosout', '/rosout_agg', '/diagnostics'
@@ -44,9 +43,7 @@ def _published(spec: RobotSpec) -> List[str]:
 
     Sensors of a kind can share one, like in Gazebo.
     """
-    cameras = [getattr(camera, field) for camera in spec.cameras
-               for field in topic_fields(camera)]
-    sensors = [topic for topic, _ in dict.fromkeys(
-        (each.kind.topic(spec.settings.sensors[each.name]), each.kind.msg_type)
-        for each in spec.sensors)]
-    return [rospy.resolve_name(spec.names.topic(topic)) for topic in cameras + sensors]
+    found = dict.fromkeys(
+        (topic, each.name if each.kind.is_drawn else each.kind.msg_type) for each in spec.sensors
+        for topic in each.kind.topics(spec.settings.sensors[each.name]))
+    return [rospy.resolve_name(spec.names.topic(topic)) for topic, _ in found]

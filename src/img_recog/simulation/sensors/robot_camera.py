@@ -5,14 +5,12 @@ from typing import Callable, NamedTuple
 import numpy as np
 
 from img_recog import rotations
-from img_recog.errors import SimulationError
-from img_recog.formats.camera_tags import Camera
 from img_recog.rotations import Transform, transform
-from img_recog.settings import SettingError, from_mapping
 from img_recog.simulation.physics.framed_body import FramedBody
-from img_recog.simulation.sensors.sensor import Sensor
+from img_recog.simulation.sensors.sensor import Mount, Sensor
 from img_recog.simulation.settings import CameraSettings
 
+CAMERA = 'camera'       # the name of the row
 _MAX_TURN = 0.01        # rad; official robots have 1.57 in place of pi / 2
 
 
@@ -27,36 +25,31 @@ class Exposure(NamedTuple):
     poses: np.ndarray
 
 
-def settings_of(camera: Camera) -> CameraSettings:
-    """Return the settings of a camera in a file; SimulationError when a value is not allowed."""
-    try:
-        return from_mapping(CameraSettings, camera.values)
-    except SettingError as error:
-        raise SimulationError('sensor {}: {}'.format(camera.sensor, error.problem), error.advice)
-
-
 class RobotCamera(Sensor):
     """Reads where the camera and all else is; images are drawn elsewhere.
 
-    settings: what it was made with.
+    settings: what it was made with. poses: returns the poses (n, 7) of all parts of the scene; who
+    draws it sets that.
     """
 
     def __init__(self, robot: FramedBody, settings: CameraSettings,
-                 poses: Callable[[], np.ndarray]):
-        """Mount the camera on a link of `robot`; SimulationError when there is no such link.
-
-        poses: returns the poses (n, 7) of all parts of the scene.
-        """
+                 poses: Callable[[], np.ndarray] = lambda: np.empty((0, 7))):
+        """Mount the camera on a link of `robot`; SimulationError when there is no such link."""
         robot.check_frame('camera_frame', settings.camera_frame)
-        self.settings = settings
-        self._robot, self._poses = robot, poses
+        self.settings, self.poses = settings, poses
+        self._robot = robot
         self._in_link = _in_link(settings)
 
     def read(self) -> Exposure:
         """Return what an image of now shows."""
         motion = self._robot.motion(self.settings.camera_frame)
         pose = Transform(rotations.matrix(motion.orientation), motion.position) @ self._in_link
-        return Exposure(pose.matrix(), self._poses())
+        return Exposure(pose.matrix(), self.poses())
+
+
+def make(mount: Mount, settings: CameraSettings) -> RobotCamera:
+    """Return the camera of a row of the table of sensors; errors as for RobotCamera."""
+    return RobotCamera(mount.robot, settings)
 
 
 def optical_frame(settings: CameraSettings) -> Transform:

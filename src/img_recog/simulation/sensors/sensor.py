@@ -7,9 +7,12 @@ import numpy as np
 from img_recog.formats.gazebo_tags import SensorTag, Tags, Values
 from img_recog.formats.noises import Noise
 from img_recog.model import Frame
+from img_recog.settings import nearest_period
+from img_recog.simulation.names import topic_fields
 from img_recog.simulation.physics.drive import Drive
 from img_recog.simulation.physics.framed_body import FramedBody
 from img_recog.simulation.physics.world import World
+from img_recog.simulation.settings import whole_steps
 
 
 class Sensor(abc.ABC):
@@ -60,11 +63,13 @@ class SensorKind(NamedTuple):
     """A row of the table of sensors, conversions/sensor_table.py.
 
     name: of the sensor, with which the names of its settings begin. settings: their class, with
-    the field NAME_period_s; with NAME_topic, if the topic is not always NAME; with NAME_frame, if
+    the field NAME_period_s, or NAME_rate in Hz; with NAME_topic, if the topic is not always NAME,
+    or several others; with NAME_frame, if
     a robot without the link of the default goes without the sensor. Other fields that end in
     _topic or _frame are names of topics and frames too; an empty frame is the root link.
     make: make(mount, settings) returns a Sensor. tags: where <gazebo> tags have its settings.
-    msg_type: what is published. to_msg: to_msg(reading, settings, stamp, out) returns the message.
+    msg_type: what is published. to_msg: to_msg(reading, settings, stamp, out) returns the message;
+    None for what is drawn elsewhere, and is disabled until then.
     noise_number: of its random generator, a number that no other row has. only_in_tags: whether
     a robot has such sensors only where its <gazebo> tags have them; the settings are no
     parameters then. missing: why its messages cannot be made, '' if they can: such a sensor in
@@ -76,10 +81,15 @@ class SensorKind(NamedTuple):
     make: Callable[[Mount, Any], Sensor]
     tags: Tags
     msg_type: type
-    to_msg: Callable[..., Any]
+    to_msg: Any
     noise_number: int
     only_in_tags: bool = False
     missing: str = ''
+
+    @property
+    def is_drawn(self) -> bool:
+        """Whether its readings are drawn before they are published."""
+        return self.to_msg is None
 
     @property
     def read_tags(self) -> Tags:
@@ -89,9 +99,19 @@ class SensorKind(NamedTuple):
         return self.tags._replace(
             not_simulated=lambda _: ['sensor {} ({})'.format(self.name, self.missing)])
 
+    def topics(self, settings: Any) -> List[str]:
+        """Return the names of the topics, one if it is not drawn."""
+        return [getattr(settings, field) for field in topic_fields(settings)] or [self.name]
+
     def topic(self, settings: Any) -> str:
-        """Return the name of the topic."""
-        return getattr(settings, self.name + '_topic', self.name)
+        """Return the name of the first topic."""
+        return self.topics(settings)[0]
+
+    def period_steps(self, settings: Any, step_s: float) -> int:
+        """Return the steps of the physics in its period; errors as for `whole_steps`."""
+        name, rate = self.name + '_period_s', getattr(settings, self.name + '_rate', None)
+        return whole_steps(name, nearest_period(rate, step_s) if rate else getattr(settings, name),
+                           step_s)
 
     def frame(self, settings: Any) -> str:
         """Return the link that the robot may not have, '' if there is none."""
@@ -128,10 +148,14 @@ def sensors_of(kinds: Sequence[SensorKind], tags: Sequence[SensorTag] = ()) -> L
         own = [tag for tag in tags if tag.tags is kind.tags]
         if not own and not kind.only_in_tags:
             found.append(RobotSensor(kind.name, kind))
-        for number, tag in enumerate(own):
-            name = '{}_{}'.format(kind.name, number + 1) if number else kind.name
-            found.append(RobotSensor(name, kind, number, *tag[1:]))
+        found += [RobotSensor(numbered(kind, number), kind, number, *tag[1:])
+                  for number, tag in enumerate(own)]
     return found
+
+
+def numbered(kind: SensorKind, number: int) -> str:
+    """Return the name of a sensor; number: among those of its kind, from 0."""
+    return '{}_{}'.format(kind.name, number + 1) if number else kind.name
 
 
 class ScheduledSensor:

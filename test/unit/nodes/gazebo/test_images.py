@@ -60,12 +60,13 @@ class Rig:
     """Images of a simulated robot with two cameras, of 32 and 16 pixels in a row."""
 
     def __init__(self, publishers, lockstep=None, **settings):
-        self.simulator, self.statics = robots.simulator(x=1.0), FakeStatics()
+        self.simulator, self.statics = robots.simulator(
+            x=1.0, cameras=[CAMERA, BACK]), FakeStatics()
         self.vehicle, self.publishers = self.simulator.vehicles[0], publishers
         self.images = Images(self.simulator, ViewSettings(view_width=64, view_height=48,
                                                           **settings),
                              self.statics, self._make_process, lockstep)
-        self.images.add_cameras(self.vehicle, [CAMERA, BACK], Names())
+        self.images.add_cameras(self.vehicle, Names())
 
     def publish_others(self):
         """Publish the readings of other sensors."""
@@ -195,7 +196,7 @@ def test_cameras_of_a_robot_that_is_removed(rig, publishers):
 
 def test_the_names_of_a_namespace(rig, publishers):
     rig.images.remove_cameras(rig.vehicle)
-    rig.images.add_cameras(rig.vehicle, [CAMERA], Names('r', 'p'))
+    rig.images.add_cameras(rig.vehicle, Names('r', 'p'))
     transform, = rig.statics['cameras of turtlebot3_burger']
     assert transform.header.frame_id == 'p/base_link' and transform.child_frame_id == 'p/lens'
     assert not publishers['r/eye/image'].is_ended

@@ -4,12 +4,14 @@ import pytest
 from img_recog.nodes.gazebo.topic_checks import check_topics
 from img_recog.simulation.names import Names
 from img_recog.simulation.settings import CameraSettings
+from img_recog_testing import robots
 from img_recog_testing.refusals import refusal
 from img_recog_testing.robots import burger, read
 
 CAMERA = CameraSettings(camera_frame='base_link', camera_image_topic='eye/image',
                         camera_info_topic='eye/info')
-SPEC = read(burger())._replace(cameras=[CAMERA])
+PLAIN = read(burger())
+SPEC = PLAIN.with_sensor(robots.CAMERA, CAMERA)
 
 
 def test_a_robot_may_have_the_topics_of_another_in_its_namespace():
@@ -18,15 +20,15 @@ def test_a_robot_may_have_the_topics_of_another_in_its_namespace():
 
 @pytest.mark.parametrize('spec, others, words', [
     (SPEC, [SPEC], 'the topic eye/image is camera_image_topic of the camera'),
-    (SPEC._replace(cameras=[]), [SPEC], 'two sensors are on the topic'),
-    (SPEC._replace(cameras=[CAMERA, CAMERA.__class__(
-        camera_frame='base_link', camera_image_topic='scan', camera_info_topic='a')]), [],
+    (PLAIN, [SPEC], 'two sensors are on the topic'),
+    (PLAIN.with_sensor(robots.CAMERA, CameraSettings(
+        camera_frame='base_link', camera_image_topic='scan', camera_info_topic='a')), [],
      'two sensors are on the topic'),
     (SPEC.changed(drive=SPEC.settings.drive.__class__(command_topic='/clock')), [],
      'the topic /clock is not that of a robot'),
     (SPEC.changed(drive=SPEC.settings.drive.__class__(command_topic='scan')), [],
      'a sensor and commands are on the topic'),
-    (SPEC._replace(cameras=[CameraSettings(camera_image_topic='not a name')]), [],
+    (PLAIN.with_sensor(robots.CAMERA, CameraSettings(camera_image_topic='not a name')), [],
      "camera_image_topic: got 'not a name'")])
 def test_a_topic_that_is_taken_is_refused(spec, others, words):
     assert words in refusal(check_topics, spec, others)

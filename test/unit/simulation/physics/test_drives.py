@@ -3,7 +3,7 @@ import pybullet
 import pytest
 import trimesh
 
-from img_recog.simulation.physics.drives import make_drive
+from img_recog.simulation.physics.differential_drive import DifferentialDrive
 from img_recog.simulation.settings import DriveSettings
 from img_recog_testing.refusals import refusal
 from img_recog_testing.wheeled import (TURN_SHARE, assembled, controllers, plugin, robot,
@@ -163,4 +163,4 @@ def test_casters_that_are_meshes_leave_the_wheels_on_the_floor(suffix, tmp_path)
     ('a', 'a', 'the same as right_joint'), ('a, b', 'a', 'each once'), ('a, a', 'b', 'each once'),
     (',', 'b', 'each once'), ('a', ',', 'each once')])
 def test_refuses_joints_that_are_not_those_of_two_sides(left, right, wanted):
-    assert wanted in refusal(make_drive, DriveSettings(left_joint=left, right_joint=right))
+    assert wanted in refusal(DifferentialDrive, DriveSettings(left_joint=left, right_joint=right))

@@ -221,17 +221,15 @@ def test_a_link_that_is_not_turned_like_an_image_is_warned_of(turn, is_warned):
 
 
 def test_a_mounted_camera_is_read_at_its_rate_while_it_is_enabled():
-    built = assemble()
-    vehicle, parts = built.simulator.vehicles[0], Parts(built.simulator)
-    name = vehicle.mount_camera(CameraSettings(camera_frame='base_link', camera_rate=30.0),
-                                parts.poses)
-    second = vehicle.mount_camera(CameraSettings(camera_frame='base_link', camera_rate=10.0),
-                                  parts.poses)
+    built = assemble(cameras=[CameraSettings(camera_frame='base_link', camera_rate=rate)
+                              for rate in (30.0, 10.0)])
+    vehicle = built.simulator.vehicles[0]
+    name, second = vehicle.cameras
 
     def times(sensor, steps):
         return [round(each.time_s, 6) for each in built.simulator.advance(steps)
                 if each.sensor == sensor]
-    assert (name, second) == ('camera_0', 'camera_1') and times(name, 100) == []
+    assert (name, second) == ('camera', 'camera_2') and times(name, 100) == []
     vehicle.set_sensor_enabled(name, True)
     assert times(name, 100) == [0.132, 0.165, 0.198]
     vehicle.set_sensor_enabled(name, False)

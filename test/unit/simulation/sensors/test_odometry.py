@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 from img_recog.settings import SettingError
-from img_recog.simulation.physics.drives import make_drive
+from img_recog.simulation.physics.differential_drive import DifferentialDrive
 from img_recog.simulation.sensors.odometry import EncoderOdometry, OdometrySettings
 from img_recog.simulation.sensors.sensor import Mount
 from img_recog.simulation.settings import DriveSettings
@@ -107,7 +107,7 @@ class Wheels:
 def test_encoder_counts_a_circle_exactly_where_no_wheel_slips(radius):
     settings = DriveSettings(wheel_separation=0.2, wheel_diameter=0.1)
     wheels = Wheels(7.0, -3.0, settings)
-    odometry = EncoderOdometry(Mount(wheels, None, None, make_drive(settings)),
+    odometry = EncoderOdometry(Mount(wheels, None, None, DifferentialDrive(settings)),
                                OdometrySettings(odometry_period_s=0.05))
     places = []
     for _ in range(400):

@@ -77,7 +77,7 @@ def test_a_frame_that_is_no_link_is_refused_with_the_name_of_the_setting(kind):
 @pytest.mark.parametrize('kind', SENSORS, ids=lambda kind: kind.name)
 def test_no_sensor_has_a_period_of_zero(kind):
     with pytest.raises(SettingError):
-        kind.settings(**{kind.name + '_period_s': 0.0})
+        kind.settings(**{kind.name + ('_rate' if kind.is_drawn else '_period_s'): 0.0})
 
 
 def test_each_sensor_measures_from_its_link_and_pose_whatever_the_frame_is_called(tmp_path):
