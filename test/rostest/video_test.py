@@ -107,7 +107,8 @@ class VideoTest(unittest.TestCase):
         seen = [number[entry[1]] for entry in sorted(self.raw.values())]
         steps = {(b - a) % FRAMES for a, b in zip(seen, seen[1:])}
         # one that goes back by a few has a step of nearly all frames
-        self.assertLess(max(steps), 0.8 * FRAMES, 'a busy machine may drop frames, but not go back')
+        self.assertLess(max(steps), 0.8 * FRAMES,
+                        'a busy machine may drop frames, but not go back')
         self.assertNotIn(0, steps)
         # the frames that were dropped come in a later round
         digests = {frame[0] for frame in self.video}

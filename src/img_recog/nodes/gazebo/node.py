@@ -112,6 +112,7 @@ class Gazebo:
             self._robots.scale_timeouts(timeout_scale(physics.real_time_factor))
         self._waiting = Waiting(self._simulator, self._images, self._robots, self._lockstep)
         frame, origin = WORLD_FRAME, PlanePose(0.0, 0.0, 0.0)
+        of_world = self._simulator.carriers[0 if single is None else 1:]
         if single is None:
             RobotUpdates(self._robots, reader, self._calls)
         else:
@@ -120,7 +121,7 @@ class Gazebo:
             frame, origin = vehicle.odometry.odom_frame, PlanePose(*vehicle.odometry_origin)
             if self._lockstep is not None:
                 self._lockstep.check(vehicle.sensor_kinds)
-        for carrier in self._simulator.carriers[0 if single is None else 1:]:
+        for carrier in of_world:
             self._robots.connect_model(carrier)
         if self._lockstep is not None:
             self._lockstep.subscribe()
