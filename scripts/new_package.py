@@ -5,5 +5,5 @@ import sys
 
 if __name__ == '__main__':
     signal.signal(signal.SIGINT, signal.SIG_DFL)    # no traceback of a Ctrl-C while modules load
-    from img_recog.new_package import main
+    from img_recog.command_line.new_package import main
     sys.exit(main())

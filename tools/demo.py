@@ -20,8 +20,8 @@ import demo_master
 import demo_values
 from demo_arguments import ArgumentError, Arguments
 
+from img_recog.command_line.messages import message
 from img_recog.errors import UserError
-from img_recog.messages import message
 from img_recog.processes import launch_output, process_tree
 
 # Seconds after Ctrl-C, and the signal that is sent to all processes then. roslaunch has the time

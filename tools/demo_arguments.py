@@ -11,8 +11,8 @@ import sys
 import textwrap
 
 import launch_files
+from img_recog.command_line.messages import message
 from img_recog.errors import most_similar
-from img_recog.messages import message
 
 # options of roslaunch that are followed by a value
 OPTIONS_WITH_VALUE = ('-p', '--port', '-t', '--timeout', '-u', '--server_uri', '-w',

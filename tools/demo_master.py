@@ -11,9 +11,9 @@ import sys
 import time
 import urllib.parse
 
-from img_recog import timed_xmlrpc
+from img_recog.command_line.messages import message
 from img_recog.errors import UserError
-from img_recog.messages import message
+from img_recog.ros import timed_xmlrpc
 
 _FILE = os.path.join(os.path.dirname(os.path.dirname(os.path.abspath(__file__))), 'build',
                      'master')

@@ -6,8 +6,8 @@ argument that is not given must not delay the start.
 """
 import dataclasses
 
+from img_recog.command_line.messages import message
 from img_recog.errors import UserError
-from img_recog.messages import message
 from img_recog.settings import Settings, at_least, from_mapping, setting, setting_fields
 
 # arguments that have the name of a parameter

@@ -8,7 +8,7 @@ case ${LC_ALL:-${LC_MESSAGES:-${LANG:-}}} in
     while IFS= read -r english && IFS= read -r text; do
       [ -z "$english" ] || japanese[$english]=$text
       IFS= read -r english || break
-    done < <(sed 1,2d "$root/src/img_recog/messages_ja.txt"; echo)
+    done < <(sed 1,2d "$root/src/img_recog/command_line/messages_ja.txt"; echo)
     ;;
 esac
 

@@ -3,10 +3,9 @@ import ast
 import pathlib
 
 PURE = ('camera', 'formats', 'recognition', 'rendering', 'simulation', 'teleoperation')
-GROUND_FLOOR = ('assemble', 'bag_recording', 'errors', 'files', 'helper_process', 'lenses',
-                'markup', 'mesh_file', 'mesh_formats', 'messages', 'model', 'new_package',
-                'option_types', 'processes', 'resources', 'results', 'robot_file', 'rotations',
-                'settings', 'still_images', 'textures', 'timed_xmlrpc')
+GROUND_FLOOR = ('assemble', 'command_line', 'errors', 'files', 'lenses', 'markup', 'mesh_file',
+                'mesh_formats', 'model', 'processes', 'resources', 'robot_file', 'rotations',
+                'settings', 'still_images', 'textures')
 # the rooms of simulation/, from the lowest to the highest: none imports one above it
 SIMULATION_ROOMS = ('settings', 'names', 'physics', 'sensors', 'robot_spec', 'carrier', 'vehicle',
                     'simulator', 'pictures', 'states', 'models', 'model_forces', 'figures',
@@ -27,28 +26,27 @@ ROS_LIBRARIES = ('actionlib', 'camera_info_manager', 'catkin', 'cv_bridge', 'dia
                  'laser_geometry', 'message_filters', 'nodelet', 'tf', 'tf2_ros', 'tf_conversions')
 # for each part of img_recog, the other parts that it may use
 ALLOWED = {
-    **{folder: ('errors', 'files', 'helper_process', 'lenses', 'markup', 'mesh_file', 'model',
-                'rotations', 'settings', 'still_images', 'textures') + (
-                    ('formats',) if folder == 'simulation' else ())
+    **{folder: ('errors', 'files', 'lenses', 'markup', 'mesh_file', 'model', 'rotations',
+                'settings', 'still_images', 'textures') + (
+                    ('formats', 'processes') if folder == 'simulation' else ())
        for folder in PURE},
     'assemble': PURE + ('conversions', 'resources', 'robot_file', 'settings'),
-    'bag_recording': ('errors', 'processes'), 'markup': ('errors',), 'new_package': ('errors',),
-    '__init__': (), 'errors': (), 'helper_process': (), 'lenses': (), 'messages': (),
-    'option_types': (), 'processes': (), 'rotations': (), 'timed_xmlrpc': (),
+    'command_line': ('errors',), 'markup': ('errors',),
+    '__init__': (), 'errors': (), 'lenses': (), 'processes': ('errors',), 'rotations': (),
     'textures': ('errors', 'files'), 'model': ('rotations',),
     'mesh_file': ('errors', 'files', 'mesh_formats', 'model', 'textures'),
     'mesh_formats': ('files', 'model'),
     'files': ('errors',), 'settings': ('errors',),
-    'resources': ('errors', 'files'), 'results': ('errors',),
+    'resources': ('errors', 'files'),
     'robot_file': ('errors', 'files', 'markup'), 'still_images': ('errors', 'settings'),
-    'ros': ('errors', 'settings', 'timed_xmlrpc'),
+    'ros': ('errors', 'settings'),
     'conversions': PURE + ('errors', 'rotations', 'settings', 'still_images'),
     'recordings': PURE + GROUND_FLOOR + ('conversions',),
-    'replay': PURE + GROUND_FLOOR + ('conversions', 'recordings'),
+    'replay': PURE + GROUND_FLOOR + ('conversions', 'recordings', 'ros'),
     'batch': PURE + GROUND_FLOOR + ('conversions', 'recordings', 'replay'),
     'checks': PURE + GROUND_FLOOR + ('conversions',),
-    'doctor': ('errors', 'messages', 'ros', 'timed_xmlrpc'),
-    'graph': ('errors', 'files', 'option_types', 'processes', 'timed_xmlrpc'),
+    'doctor': ('command_line', 'errors', 'ros'),
+    'graph': ('command_line', 'errors', 'files', 'processes', 'ros'),
     'nodes': PURE + GROUND_FLOOR + ('conversions', 'graph', 'ros'),
     'testing': GROUND_FLOOR + ('conversions', 'recognition', 'replay', 'ros'),
 }
@@ -163,6 +161,9 @@ def _is_in(name, place):
 
 
 def _reason_within(name, part, target):
+    if (target[0] == 'ros' and part in WITHOUT_RCLIENT and part != 'doctor'
+            and target[1] != 'timed_xmlrpc'):
+        return '{} may use only timed_xmlrpc of ros'.format(part)
     if target[:3] == ['ros', 'transport', 'outbox'] and part != 'ros':
         return 'outbox is for ros/transport alone'
     if target[0] == part:

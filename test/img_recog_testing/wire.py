@@ -11,7 +11,7 @@ from typing import List, Optional, Tuple
 
 from rosgraph import network
 
-from img_recog import timed_xmlrpc
+from img_recog.ros import timed_xmlrpc
 from img_recog_testing.waiting import DEADLINE_S
 from img_recog_testing.xmlrpc_server import XmlRpcServer
 

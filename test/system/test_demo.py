@@ -5,7 +5,7 @@ import signal
 
 import pytest
 
-from img_recog.bag_recording import TOPICS
+from img_recog.processes.bag_recording import TOPICS
 from img_recog_testing.process_table import is_alive
 from img_recog_testing.waiting import wait_for
 

@@ -56,7 +56,7 @@ def _physics_clients():
 @pytest.fixture
 def patient_helper(monkeypatch):
     """A busy machine may need longer for the exit of a helper process."""
-    monkeypatch.setattr('img_recog.helper_process._EXIT_TIMEOUT_S', DEADLINE_S)
+    monkeypatch.setattr('img_recog.processes.helper_process._EXIT_TIMEOUT_S', DEADLINE_S)
 
 
 @pytest.fixture

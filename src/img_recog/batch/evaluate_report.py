@@ -5,8 +5,8 @@ from typing import IO, Any, Dict, Iterator, List, Sequence, Tuple
 import numpy as np
 from matplotlib.figure import Figure
 
-from img_recog import results
 from img_recog.batch.evaluation import ColorSet, Driven, Evaluated, Truth, score
+from img_recog.command_line import results
 from img_recog.errors import counted
 from img_recog.recognition.commands import Command
 from img_recog.recognition.fitting.score import Score

@@ -3,8 +3,8 @@ import argparse
 import os
 from typing import NamedTuple
 
+from img_recog.command_line.option_types import allowed
 from img_recog.errors import UserError
-from img_recog.option_types import allowed
 
 
 class Options(NamedTuple):

@@ -10,14 +10,15 @@ import shlex
 import time
 from typing import List, Sequence, Tuple
 
-from img_recog import files, results
+from img_recog import files
 from img_recog.batch import inputs, options, sweep_file, sweep_report, sweep_run
 from img_recog.batch.engine import Engine, Outcome
 from img_recog.batch.sweep_file import Run, Sweep
 from img_recog.batch.sweep_report import Ended
 from img_recog.batch.work import Done, Piece, run_piece
+from img_recog.command_line import results
+from img_recog.command_line.option_types import allowed
 from img_recog.errors import UserError, counted, suggestion
-from img_recog.option_types import allowed
 from img_recog.processes.signals import Interrupts
 from img_recog.replay import programs
 

@@ -6,11 +6,11 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from img_recog import results
 from img_recog.batch.engine import Outcome
 from img_recog.batch.statistics import wilson
 from img_recog.batch.sweep_file import Range, Run, Sweep, Values
 from img_recog.batch.sweep_run import COLLISION, PATH, REACHED, TIME, Result
+from img_recog.command_line import results
 from img_recog.errors import counted
 
 _DPI, _HEIGHT_IN, _WIDTH_IN = 100, 5.0, 5.0     # of each chart

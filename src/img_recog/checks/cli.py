@@ -4,8 +4,8 @@ import sys
 from typing import Callable
 
 from img_recog.checks.report import Report
+from img_recog.command_line.option_types import allowed
 from img_recog.errors import UserError, one_line
-from img_recog.option_types import allowed
 
 _SECONDS = allowed(float, lambda seconds: 0 < seconds <= 1e6, 'a number above 0, at most 1e6')
 

@@ -3,8 +3,8 @@ from typing import List, NamedTuple, Optional, Sequence
 
 import numpy as np
 
+from img_recog.command_line.results import text_table
 from img_recog.formats.audit import Finding
-from img_recog.results import text_table
 
 SIMULATED, MEASURED, ASSUMED = 'simulated', 'measured', 'assumed'
 NOT_SIMULATED, NOT_DRAWN, LEFT_OUT = 'not simulated', 'not drawn', 'left out'

@@ -4,9 +4,9 @@ import itertools
 import sys
 from typing import Callable, Iterator, List, Optional, Sequence
 
+from img_recog.command_line.messages import message
 from img_recog.doctor import machine, running
 from img_recog.doctor.machine import Finding
-from img_recog.messages import message
 
 Check = Callable[[], Iterator[Finding]]
 

@@ -13,8 +13,8 @@ import tempfile
 import urllib.parse
 from typing import Iterator, NamedTuple, Set
 
+from img_recog.command_line.messages import message
 from img_recog.errors import one_line, shortened
-from img_recog.messages import message
 
 LIBRARIES = ('av', 'cv2', 'cv_bridge', 'moderngl', 'nicegui', 'numpy', 'pybullet', 'rospkg',
              'tf2_ros', 'trimesh', 'xacro', 'yaml')

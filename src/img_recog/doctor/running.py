@@ -9,11 +9,11 @@ import struct
 from concurrent.futures import ThreadPoolExecutor
 from typing import Any, Dict, Iterator, List, NamedTuple, Set, Tuple
 
-from img_recog import timed_xmlrpc
+from img_recog.command_line.messages import message
 from img_recog.doctor.machine import DEFAULT_MASTER, Finding, missing_packages
 from img_recog.errors import most_similar, one_line, shortened
-from img_recog.messages import message
-from img_recog.timed_xmlrpc import Master
+from img_recog.ros import timed_xmlrpc
+from img_recog.ros.timed_xmlrpc import Master
 
 _NAME = '/img_recog_doctor'
 _TIMEOUT_S = 2.0

@@ -9,11 +9,11 @@ from typing import Optional, Sequence
 import rosgraph
 
 from img_recog import files
+from img_recog.command_line.option_types import allowed
 from img_recog.errors import UserError, one_line
 from img_recog.graph import dot
 from img_recog.graph.reader import SystemReader
 from img_recog.graph.system import visible
-from img_recog.option_types import allowed
 from img_recog.processes.signals import Interrupts
 
 _SECONDS = 2.0          # in which rates are measured

@@ -8,9 +8,9 @@ from typing import Any, Callable, Dict, Iterable, List, Mapping, NamedTuple, Opt
 
 import rosgraph
 
-from img_recog import timed_xmlrpc
 from img_recog.errors import UserError, one_line, shortened
 from img_recog.graph.system import Edge, System
+from img_recog.ros import timed_xmlrpc
 
 _CALLER_ID = '/img_recog_graph'
 _THREADS = 8

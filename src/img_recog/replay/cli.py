@@ -5,8 +5,8 @@ from typing import Sequence
 
 from img_recog import resources, still_images
 from img_recog.camera.settings import CameraSettings
+from img_recog.command_line.option_types import allowed
 from img_recog.errors import UserError
-from img_recog.option_types import allowed
 from img_recog.recordings import names
 from img_recog.settings import SettingError
 from img_recog.simulation.settings import SpawnSettings

@@ -9,7 +9,7 @@ from matplotlib.gridspec import SubplotSpec
 from matplotlib.patches import Polygon
 from matplotlib.ticker import FuncFormatter
 
-from img_recog import results
+from img_recog.command_line import results
 from img_recog.recognition.settings import Color
 from img_recog.replay.plot_data import SPEED, TIME, TURN, YAW, PlotColor, PlotData, X, Y
 

@@ -9,7 +9,8 @@ from typing import TYPE_CHECKING, Callable, List, Optional, Sequence, Tuple, Uni
 
 from tqdm import tqdm
 
-from img_recog import files, results
+from img_recog import files
+from img_recog.command_line import results
 from img_recog.errors import UserError, counted
 from img_recog.processes.signals import Interrupts
 from img_recog.recognition.settings import RecognitionSettings

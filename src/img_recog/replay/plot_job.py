@@ -10,10 +10,10 @@ from typing import Iterator, List, Optional, Sequence, Tuple
 import rosgraph
 from tqdm import tqdm
 
-from img_recog import files, timed_xmlrpc
-from img_recog.bag_recording import BagRecording
+from img_recog import files
+from img_recog.command_line.option_types import allowed
 from img_recog.errors import UserError, counted, one_line, shortened
-from img_recog.option_types import allowed
+from img_recog.processes.bag_recording import BagRecording
 from img_recog.processes.signals import Interrupts
 from img_recog.recognition import parameter_file
 from img_recog.recognition.settings import RecognitionSettings
@@ -23,7 +23,8 @@ from img_recog.replay import programs
 from img_recog.replay.drive import Drive, odometry_of, topics_beside
 from img_recog.replay.figure import ReplayFigure
 from img_recog.replay.plot_data import PlotData
-from img_recog.timed_xmlrpc import Master
+from img_recog.ros import timed_xmlrpc
+from img_recog.ros.timed_xmlrpc import Master
 
 _SECONDS, _MAX_SECONDS = 20.0, 86400.0
 _TICK_S, _TIMEOUT_S = 0.2, 3.0

@@ -10,8 +10,8 @@ import rospy
 from rosgraph_msgs.msg import Clock
 from std_srvs.srv import Trigger
 
-from img_recog import timed_xmlrpc
 from img_recog.errors import UserError, one_line
+from img_recog.ros import timed_xmlrpc
 from img_recog.ros.master.connections import Connections
 from img_recog.testing import session
 from img_recog.testing.launching import Launch, LaunchFile

@@ -13,9 +13,9 @@ import rosgraph
 import rosmaster.master
 import rospy
 
-from img_recog import timed_xmlrpc
 from img_recog.errors import UserError
-from img_recog.timed_xmlrpc import Master
+from img_recog.ros import timed_xmlrpc
+from img_recog.ros.timed_xmlrpc import Master
 
 _NODE = 'simulation_test'
 _TIMEOUT_S = 5.0        # of a call of the master

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 import rosbag
 
-from img_recog import results
+from img_recog.command_line import results
 from img_recog.conversions import color_detection_msgs, robot_msgs, twist_msgs
 from img_recog.recognition.commands import Command
 from img_recog.recognition.settings import with_colors

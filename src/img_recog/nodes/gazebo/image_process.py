@@ -11,8 +11,8 @@ from diagnostic_msgs.msg import DiagnosticStatus
 from diagnostic_updater import DiagnosticStatusWrapper
 
 from img_recog.errors import one_line
-from img_recog.helper_process import HelperProcess
 from img_recog.model import VisualScene
+from img_recog.processes.helper_process import HelperProcess
 from img_recog.rendering import renderer, server
 from img_recog.rendering.camera import Camera
 from img_recog.rendering.server import Answer, Picture, Request, Shot

@@ -7,9 +7,9 @@ from typing import Callable, List, Optional, Set, Tuple
 import rospy
 from std_srvs.srv import Trigger
 
-from img_recog import timed_xmlrpc
 from img_recog.conversions import twist_msgs
 from img_recog.errors import one_line
+from img_recog.ros import timed_xmlrpc
 from img_recog.ros.log.throttle import ThrottledWarning
 from img_recog.ros.master import master
 from img_recog.ros.stopping_publisher import StoppingPublisher

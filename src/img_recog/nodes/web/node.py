@@ -30,8 +30,7 @@ from diagnostic_updater import DiagnosticStatusWrapper
 from fastapi import FastAPI, WebSocket, WebSocketDisconnect
 from fastapi.concurrency import run_in_threadpool
 
-from img_recog import bag_recording, files, timed_xmlrpc
-from img_recog.bag_recording import BagRecording, Recorder
+from img_recog import files
 from img_recog.errors import UserError, one_line
 from img_recog.nodes.web import page
 from img_recog.nodes.web.authentication import Authentication
@@ -45,7 +44,9 @@ from img_recog.nodes.web.shown_robots import ShownRobots
 from img_recog.nodes.web.tabs import TABS
 from img_recog.nodes.web.tuning import Tuning
 from img_recog.nodes.web.visit import System
-from img_recog.ros import lifecycle, parameters
+from img_recog.processes import bag_recording
+from img_recog.processes.bag_recording import BagRecording, Recorder
+from img_recog.ros import lifecycle, parameters, timed_xmlrpc
 from img_recog.ros.diagnostics import NodeDiagnostics
 from img_recog.ros.log.throttle import ThrottledWarning
 from img_recog.ros.master import master

@@ -3,7 +3,6 @@ from typing import List, NamedTuple
 
 import rospy
 
-from img_recog import timed_xmlrpc
 from img_recog.errors import UserError, one_line
 from img_recog.nodes.web.color_samples import ColorSamples
 from img_recog.nodes.web.color_tuning import ColorTuning
@@ -14,7 +13,7 @@ from img_recog.nodes.web.pictures import PictureTopics
 from img_recog.nodes.web.simulation import PosePublisher
 from img_recog.recognition.parameter_file import COLORS, IMAGE_TOPIC
 from img_recog.recognition.settings import DEFAULT_COLORS, color_names
-from img_recog.ros import parameters
+from img_recog.ros import parameters, timed_xmlrpc
 from img_recog.ros.log.throttle import ThrottledWarning
 from img_recog.teleoperation.settings import VelocityLimits
 

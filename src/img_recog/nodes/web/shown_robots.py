@@ -6,11 +6,11 @@ from typing import Dict, Iterable, List, Set, Tuple
 import rosgraph
 import rospy
 
-from img_recog import timed_xmlrpc
 from img_recog.errors import one_line
 from img_recog.nodes.web.measurements import SystemTopics
 from img_recog.nodes.web.pictures import PictureTopics
 from img_recog.nodes.web.shown_robot import ShownRobot
+from img_recog.ros import timed_xmlrpc
 from img_recog.ros.log.throttle import ThrottledWarning
 from img_recog.ros.master import master
 from img_recog.teleoperation.settings import VelocityLimits

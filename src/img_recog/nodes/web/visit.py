@@ -1,11 +1,11 @@
 """What the tabs of a page get to know."""
 from typing import List, NamedTuple
 
-from img_recog.bag_recording import Recorder
 from img_recog.nodes.web.shown_robot import PictureTopic, ShownRobot
 from img_recog.nodes.web.shown_robots import ShownRobots
 from img_recog.nodes.web.texts import Texts
 from img_recog.nodes.web.tuning import Tuning
+from img_recog.processes.bag_recording import Recorder
 
 
 class System(NamedTuple):

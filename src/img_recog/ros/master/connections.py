@@ -1,9 +1,9 @@
 """Which connections between running nodes are still missing."""
 from typing import Any, Collection, Dict, List, Mapping, Optional, Sequence, Set, Tuple
 
-from img_recog import timed_xmlrpc
 from img_recog.errors import suggestion
-from img_recog.timed_xmlrpc import Master
+from img_recog.ros import timed_xmlrpc
+from img_recog.ros.timed_xmlrpc import Master
 
 _TIMEOUT_S = 1.0        # of a call to a node or the master
 _SHARED = ('/rosout', '/diagnostics', '/tf', '/tf_static')      # with a publisher in each node

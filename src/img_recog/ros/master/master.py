@@ -2,7 +2,7 @@
 import rosgraph
 import rospy
 
-from img_recog.timed_xmlrpc import Master
+from img_recog.ros.timed_xmlrpc import Master
 
 _TIMEOUT_S = 5.0
 

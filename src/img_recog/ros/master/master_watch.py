@@ -6,11 +6,10 @@ from typing import Any, Callable, Dict, Optional, Tuple
 import rosgraph
 import rospy
 
-from img_recog import timed_xmlrpc
 from img_recog.errors import one_line
-from img_recog.ros import parameters
+from img_recog.ros import parameters, timed_xmlrpc
+from img_recog.ros.timed_xmlrpc import Master
 from img_recog.ros.transport import registration
-from img_recog.timed_xmlrpc import Master
 
 _PERIOD_S = 1.0
 _MAX_TIMEOUTS = 3       # a busy master may miss one; a refused connection is reported at once

@@ -6,8 +6,8 @@ from typing import Optional, Sequence
 
 import pybullet
 
-from img_recog.helper_process import HelperProcess
 from img_recog.model import SUN
+from img_recog.processes.helper_process import HelperProcess
 from img_recog.simulation.physics.body import Pose
 from img_recog.simulation.physics.client import connect
 from img_recog.simulation.pictures.scene import Scene, SceneCopy

@@ -330,7 +330,7 @@ def test_what_waits_ends_with_the_node(make, warnings, monkeypatch, is_shutdown)
     drawn.draw(7)
     waiting = in_thread(drawn.draw, 8)
     assert not waiting.wait(0.2)
-    monkeypatch.setattr('img_recog.helper_process._EXIT_TIMEOUT_S', 0.2)
+    monkeypatch.setattr('img_recog.processes.helper_process._EXIT_TIMEOUT_S', 0.2)
     if is_shutdown:
         monkeypatch.setattr(image_process.rospy, 'is_shutdown', lambda: True)
     else:

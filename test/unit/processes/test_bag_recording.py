@@ -11,9 +11,9 @@ from concurrent.futures import ThreadPoolExecutor
 
 import pytest
 
-from img_recog import bag_recording
-from img_recog.bag_recording import BagRecording, Recorder
 from img_recog.errors import UserError, one_line
+from img_recog.processes.bag_recording import BagRecording, Recorder
+from img_recog.processes import bag_recording
 from img_recog_testing.pages import ROOT
 from img_recog_testing.waiting import DEADLINE_S, wait_for
 
@@ -120,7 +120,7 @@ def test_it_ends_with_a_process_that_is_killed(recording, tmp_path):
     path = tmp_path / 'other.bag'
     child = subprocess.Popen([sys.executable, '-c', (
         'import os, signal, sys\n'
-        'from img_recog import bag_recording\n'
+        'from img_recog.processes import bag_recording\n'
         'bag_recording._START_TIMEOUT_S = float(sys.argv[2])\n'
         'bag_recording.BagRecording(sys.argv[1], ["/odom"])\n'
         'os.kill(os.getpid(), signal.SIGKILL)'), str(path), str(DEADLINE_S)])

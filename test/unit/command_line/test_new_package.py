@@ -7,7 +7,7 @@ import sys
 
 import pytest
 
-from img_recog import new_package
+from img_recog.command_line import new_package
 from img_recog_testing.pages import ROOT
 
 

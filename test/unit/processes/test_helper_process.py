@@ -7,7 +7,7 @@ import time
 
 import pytest
 
-from img_recog.helper_process import HelperProcess
+from img_recog.processes.helper_process import HelperProcess
 from img_recog_testing.waiting import DEADLINE_S, stretch, wait_for
 
 pytestmark = pytest.mark.usefixtures('patient_helper')
@@ -126,7 +126,7 @@ def test_one_that_is_killed(start):
 
 @pytest.mark.parametrize('is_stopped', [False, True])
 def test_one_that_hangs_or_is_stopped_is_killed(start, monkeypatch, is_stopped):
-    monkeypatch.setattr('img_recog.helper_process._EXIT_TIMEOUT_S', 0.2)
+    monkeypatch.setattr('img_recog.processes.helper_process._EXIT_TIMEOUT_S', 0.2)
     helper = start(hang, (), 0)
     pid = receive(helper)
     if is_stopped:

@@ -5,8 +5,8 @@ import xmlrpc.client
 
 import pytest
 
-from img_recog import timed_xmlrpc
-from img_recog.timed_xmlrpc import Master
+from img_recog.ros import timed_xmlrpc
+from img_recog.ros.timed_xmlrpc import Master
 from img_recog_testing.waiting import DEADLINE_S
 from img_recog_testing.xmlrpc_server import XmlRpcServer
 

@@ -5,7 +5,7 @@ import re
 
 import pytest
 
-from img_recog import messages
+from img_recog.command_line import messages
 from img_recog_testing.pages import ROOT
 
 PROGRAMS = [path for folder in ('src/img_recog', 'tools')
@@ -16,7 +16,7 @@ SCRIPTS = [pathlib.Path(ROOT, 'run'), *sorted(pathlib.Path(ROOT, 'tools').glob('
 def in_programs():
     for path in PROGRAMS:
         text = path.read_text()
-        if 'img_recog.messages import message' in text:
+        if 'img_recog.command_line.messages import message' in text:
             for node in ast.walk(ast.parse(text)):
                 if isinstance(node, ast.Call) and getattr(node.func, 'id', '') in (
                         'message', 'ArgumentError'):

@@ -1,0 +1,1 @@
+"""What command lines share: values, texts in two languages, tables and pictures."""
