@@ -70,7 +70,8 @@ class DriveTest(unittest.TestCase):
             return False
         end = at_rest.pose.pose.position
         self.assertGreater((end.x - start.x) * direction, 0.2)
-        self.assertLess(abs(end.y - start.y), 0.5)
+        # wheels that slip bend the way, as in Gazebo
+        self.assertLess(abs(end.y - start.y), 1.5)
         return True
 
     def test_areas_are_logged_by_color_extract(self):
