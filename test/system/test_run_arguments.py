@@ -81,7 +81,7 @@ DEFAULTS = [(each.name, each.default) for each in launch_arguments().values()]
     [name + ':=False' for name in SWITCHES],
     ('camera:=none', 'world:=empty', 'x_pos:=-1e-3', 'framerate:=29.97', '--screen'),
     ('camera:=rtsp://user:word@host/stream', '-p', '11399', 'gui:=1'),
-    ('camera:=urdf', '_some_parameter:=3', 'real_time_factor:=0'),
+    ('camera:=urdf', 'real_time_factor:=0'),
     ['{}:={}'.format(name, value) for name, value in DEFAULTS if '$(' not in value]])
 def test_accepted(words):
     # with --ros-args, roslaunch lists the arguments and exits
