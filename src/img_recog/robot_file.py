@@ -15,7 +15,7 @@ import rospkg
 
 from img_recog.errors import UserError, one_line
 from img_recog.files import plain
-from img_recog.markup import MarkupError, check_expanded, check_xml, parse_xml, read_bytes
+from img_recog.formats.markup import MarkupError, check_expanded, check_xml, parse_xml, read_bytes
 
 _XACRO = '.xacro'
 _TIMEOUT_S = 60.0

@@ -3,9 +3,9 @@ import ast
 import pathlib
 
 PURE = ('camera', 'formats', 'recognition', 'rendering', 'simulation', 'teleoperation')
-GROUND_FLOOR = ('assemble', 'command_line', 'errors', 'files', 'lenses', 'markup', 'mesh_file',
-                'mesh_formats', 'model', 'processes', 'resources', 'robot_file', 'rotations',
-                'settings', 'still_images', 'textures')
+GROUND_FLOOR = ('assemble', 'command_line', 'errors', 'files', 'mesh_file', 'mesh_formats',
+                'model', 'processes', 'resources', 'robot_file', 'rotations', 'settings',
+                'textures')
 # the rooms of simulation/, from the lowest to the highest: none imports one above it
 SIMULATION_ROOMS = ('settings', 'names', 'physics', 'sensors', 'robot_spec', 'carrier', 'vehicle',
                     'simulator', 'pictures', 'states', 'models', 'model_forces', 'figures',
@@ -26,21 +26,20 @@ ROS_LIBRARIES = ('actionlib', 'camera_info_manager', 'catkin', 'cv_bridge', 'dia
                  'laser_geometry', 'message_filters', 'nodelet', 'tf', 'tf2_ros', 'tf_conversions')
 # for each part of img_recog, the other parts that it may use
 ALLOWED = {
-    **{folder: ('errors', 'files', 'lenses', 'markup', 'mesh_file', 'model', 'rotations',
-                'settings', 'still_images', 'textures') + (
-                    ('formats', 'processes') if folder == 'simulation' else ())
+    **{folder: ('errors', 'files', 'formats', 'mesh_file', 'model', 'rotations', 'settings',
+                'textures') + (('processes',) if folder == 'simulation' else ())
        for folder in PURE},
     'assemble': PURE + ('conversions', 'resources', 'robot_file', 'settings'),
-    'command_line': ('errors',), 'markup': ('errors',),
-    '__init__': (), 'errors': (), 'lenses': (), 'processes': ('errors',), 'rotations': (),
+    'command_line': ('errors',),
+    '__init__': (), 'errors': (), 'processes': ('errors',), 'rotations': (),
     'textures': ('errors', 'files'), 'model': ('rotations',),
     'mesh_file': ('errors', 'files', 'mesh_formats', 'model', 'textures'),
     'mesh_formats': ('files', 'model'),
     'files': ('errors',), 'settings': ('errors',),
     'resources': ('errors', 'files'),
-    'robot_file': ('errors', 'files', 'markup'), 'still_images': ('errors', 'settings'),
+    'robot_file': ('errors', 'files', 'formats'),
     'ros': ('errors', 'settings'),
-    'conversions': PURE + ('errors', 'rotations', 'settings', 'still_images'),
+    'conversions': PURE + ('errors', 'rotations', 'settings'),
     'recordings': PURE + GROUND_FLOOR + ('conversions',),
     'replay': PURE + GROUND_FLOOR + ('conversions', 'recordings', 'ros'),
     'batch': PURE + GROUND_FLOOR + ('conversions', 'recordings', 'replay'),

@@ -45,6 +45,7 @@ def test_only_lifecycle_uses_shutdown_hooks_of_rospy():
     ('rendering/a.py', 'import pybullet', 'may use pybullet'),
     ('formats/a.py', 'import pybullet', 'may use pybullet'),
     ('formats/a.py', 'from img_recog.simulation.physics import body', 'formats may use'),
+    ('formats/a.py', 'from img_recog.camera import urls', 'formats may use'),
     ('simulation/physics/a.py', 'from img_recog.simulation.sensors import imu',
      'sensors is above physics'),
     ('simulation/sensors/a.py', 'from img_recog.simulation.vehicle import Vehicle',
@@ -119,6 +120,7 @@ def test_a_planted_violation_is_found(tmp_path, path, line, words):
     ('nodes/gazebo/a.py', 'from img_recog.nodes import color_parameters\nfrom . import view'),
     ('nodes/web/a.py', 'from nicegui import ui\nfrom img_recog.graph import dot'),
     ('mesh_file.py', 'import trimesh, collada'),
+    ('camera/a.py', 'from img_recog.formats import markup, still_images'),
     ('batch/a.py', 'import distributed\nfrom img_recog.replay import job'),
     ('simulation/sensors/a.py', 'import pybullet\nfrom img_recog.simulation.physics import body')])
 def test_allowed_imports_are_not_reported(tmp_path, path, line):

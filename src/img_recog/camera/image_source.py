@@ -5,11 +5,11 @@ from typing import Callable, List, Optional, Tuple
 import cv2
 import numpy as np
 
-from img_recog import still_images
 from img_recog.camera.source import (FrameSkipped, FrameSource, SourceEnded, SourceError,
                                      SourceTooLarge, convert)
 from img_recog.errors import counted, one_line, shortened
-from img_recog.still_images import DEFAULT_MAX_PIXELS, ImageTooLarge
+from img_recog.formats import still_images
+from img_recog.formats.still_images import DEFAULT_MAX_PIXELS, ImageTooLarge
 
 # A file of another name is an image by its content; one of these is, even if it is damaged.
 EXTENSIONS = ('.bmp', '.j2k', '.jp2', '.jpeg', '.jpg', '.pbm', '.pgm', '.png', '.pnm', '.ppm',

@@ -4,14 +4,14 @@ import os
 import stat
 from typing import Callable, Sequence
 
-from img_recog import still_images
 from img_recog.camera.device_source import DeviceSource, list_devices
 from img_recog.camera.image_source import (FolderSource, ImageSource, has_reader, is_jpeg_video,
                                            is_truncated, read_image)
 from img_recog.camera.settings import CameraSettings
 from img_recog.camera.source import FrameSource, SourceError, check_size, convert
 from img_recog.camera.synthetic import SyntheticSource
-from img_recog.still_images import DEFAULT_MAX_PIXELS
+from img_recog.formats import still_images
+from img_recog.formats.still_images import DEFAULT_MAX_PIXELS
 
 DEFAULT_DEVICE = '/dev/video0'
 

@@ -3,9 +3,9 @@ import re
 from dataclasses import dataclass
 from typing import Any, Mapping
 
+from img_recog.formats.still_images import ALLOWED_MAX_PIXELS, DEFAULT_MAX_PIXELS
 from img_recog.settings import (Allowed, SettingError, Settings, at_least, between, not_empty,
                                 one_of, setting)
-from img_recog.still_images import ALLOWED_MAX_PIXELS, DEFAULT_MAX_PIXELS
 
 # All pixel formats of usb_cam 0.3.7, and the V4L2 FOURCC of each (linux/videodev2.h)
 FOURCC = {

@@ -5,8 +5,8 @@ from typing import Optional
 import cv2
 import numpy as np
 
-from img_recog import still_images
 from img_recog.errors import UserError
+from img_recog.formats import still_images
 
 
 class SourceError(UserError):

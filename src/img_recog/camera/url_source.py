@@ -11,7 +11,7 @@ from img_recog.camera.settings import CameraSettings
 from img_recog.camera.source import (FrameSkipped, FrameSource, SourceError, SourceTooLarge,
                                      check_size)
 from img_recog.camera.video_source import VideoSource
-from img_recog.still_images import DEFAULT_MAX_PIXELS
+from img_recog.formats.still_images import DEFAULT_MAX_PIXELS
 
 # When a read times out, ffmpeg may return a frame made from the data that has arrived.
 _OPEN_TIMEOUT_S, _READ_TIMEOUT_S = 5.0, 2.0

@@ -12,7 +12,7 @@ from img_recog.camera.pacing import FrameTimes
 from img_recog.camera.source import (FrameSkipped, FrameSource, SourceEnded, SourceError,
                                      check_size)
 from img_recog.camera.urls import redacted
-from img_recog.still_images import DEFAULT_MAX_PIXELS
+from img_recog.formats.still_images import DEFAULT_MAX_PIXELS
 
 # The frame count in a video's index may differ by a few from what its decoder gives.
 _MISSING_SHARE = 0.02

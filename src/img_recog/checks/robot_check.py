@@ -11,8 +11,8 @@ from img_recog.checks.report import (ASSUMED, MEASURED, NOT_DRAWN, NOT_SIMULATED
 from img_recog.errors import UserError, one_line
 from img_recog.formats import drive_controllers
 from img_recog.formats.drive_controllers import Controllers
+from img_recog.formats.markup import MarkupError, load_yaml, read_bytes
 from img_recog.formats.world_file import EMPTY
-from img_recog.markup import MarkupError, load_yaml, read_bytes
 from img_recog.simulation.physics import wheels
 from img_recog.simulation.robot_spec import RobotSpec
 from img_recog.simulation.settings import PhysicsSettings

@@ -10,12 +10,12 @@ import numpy as np
 from sensor_msgs.msg import CompressedImage
 from std_msgs.msg import Header
 
-from img_recog import still_images
 from img_recog.conversions import image_msgs
 from img_recog.conversions.image_msgs import ImageError
 from img_recog.errors import one_line, shortened
+from img_recog.formats import still_images
+from img_recog.formats.still_images import DEFAULT_MAX_PIXELS, ImageFormatError, ImageTooLarge
 from img_recog.settings import Settings, between, one_of, setting
-from img_recog.still_images import DEFAULT_MAX_PIXELS, ImageFormatError, ImageTooLarge
 
 _PIXEL_SHAPES = {'mono8': (), 'bgr8': (3,), 'rgb8': (3,)}
 _COLOR_PREFIXES = ('rgb', 'bgr')

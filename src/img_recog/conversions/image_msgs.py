@@ -12,7 +12,7 @@ from sensor_msgs.msg import Image
 from std_msgs.msg import Header
 
 from img_recog.errors import UserError, one_line, shortened
-from img_recog.still_images import ImageTooLarge, check_size
+from img_recog.formats.still_images import ImageTooLarge, check_size
 
 # The conversions of cv_bridge to bgr8: encoding -> (channels, code of cv2.cvtColor). Those that
 # are not listed are done by cv_bridge itself.

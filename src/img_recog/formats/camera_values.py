@@ -2,9 +2,9 @@
 import xml.etree.ElementTree as ElementTree
 from typing import Any, Dict, Iterator, List, Optional
 
-from img_recog import lenses, rotations
+from img_recog import rotations
 from img_recog.errors import SimulationError
-from img_recog.formats import noises
+from img_recog.formats import lenses, noises
 from img_recog.formats.numbers import read_number, read_numbers, read_whole
 from img_recog.formats.texts import name_of, text_of
 from img_recog.rotations import Transform, transform

@@ -8,8 +8,8 @@ from img_recog.files import FindFile
 from img_recog.formats import (drive_controllers, drive_tags, lumping, names, sdf_file,
                                sdf_versions, urdf, world_file)
 from img_recog.formats.drive_controllers import FindControllers
+from img_recog.formats.markup import MarkupError, check_expanded, parse_xml
 from img_recog.formats.problems import Problems
-from img_recog.markup import MarkupError, check_expanded, parse_xml
 from img_recog.model import Tree
 
 _NOWHERE = os.path.join(os.sep, 'model.sdf')        # a text has no folder

@@ -13,6 +13,7 @@ from img_recog.files import FindFile
 from img_recog.formats import (lights, sdf_frames, sdf_models, sdf_populations, sdf_roads,
                                sdf_states)
 from img_recog.formats.audit import NOT_USED
+from img_recog.formats.markup import parse_xml
 from img_recog.formats.numbers import read_numbers
 from img_recog.formats.problems import NOT_DOWNLOADED, Problems
 from img_recog.formats.sdf_files import find_above, find_relative, model_file, parsed
@@ -21,7 +22,6 @@ from img_recog.formats.sdf_joints import INCLUDED
 from img_recog.formats.sdf_states import Starts
 from img_recog.formats.sdf_versions import Version, version_of
 from img_recog.formats.texts import is_true, name_of, text_of
-from img_recog.markup import parse_xml
 from img_recog.model import SUN, Light, Surroundings, Tree
 from img_recog.rotations import Transform
 

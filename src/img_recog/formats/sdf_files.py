@@ -6,7 +6,7 @@ from typing import Callable, Optional
 from img_recog.errors import SimulationError
 from img_recog.files import FindFile, plain
 from img_recog.formats import sdf_versions
-from img_recog.markup import MarkupError, parse_xml, read_bytes
+from img_recog.formats.markup import MarkupError, parse_xml, read_bytes
 
 
 def find_relative(folder: str, find: FindFile) -> Callable[[str], Optional[str]]:

@@ -9,10 +9,10 @@ from img_recog.errors import SimulationError
 from img_recog.files import FindFile
 from img_recog.formats import drive_controllers
 from img_recog.formats.drive_controllers import FindControllers
+from img_recog.formats.markup import MarkupError, check_expanded, parse_xml
 from img_recog.formats.numbers import read_direction, read_limit, read_number
 from img_recog.formats.texts import is_true, name_of
 from img_recog.formats.urdf_links import Links, origin_of, text_of_tags
-from img_recog.markup import MarkupError, check_expanded, parse_xml
 from img_recog.model import FIXED, PRISMATIC, REVOLUTE, Joint, Limits, Model, Tag
 
 

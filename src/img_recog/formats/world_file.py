@@ -9,8 +9,8 @@ from img_recog.errors import SimulationError
 from img_recog.files import FindFile, find_in, find_user_path
 from img_recog.formats import sdf_file, sdf_versions, urdf
 from img_recog.formats.audit import Finding
+from img_recog.formats.markup import MarkupError, check_expanded, parse_xml, read_bytes
 from img_recog.formats.problems import Problems
-from img_recog.markup import MarkupError, check_expanded, parse_xml, read_bytes
 from img_recog.model import SUN, Light, Model, Surroundings, Tree
 from img_recog.rotations import Transform
 

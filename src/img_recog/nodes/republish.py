@@ -22,6 +22,8 @@ from img_recog.conversions import compressed_image_msgs, image_msgs
 from img_recog.conversions.compressed_image_msgs import CompressionSettings
 from img_recog.conversions.image_msgs import ImageError
 from img_recog.errors import UserError, shortened
+from img_recog.formats.still_images import (ALLOWED_MAX_PIXELS, DEFAULT_MAX_PIXELS, ImageTooLarge,
+                                            check_size)
 from img_recog.nodes.compressed_images import CompressedImages
 from img_recog.ros import lifecycle, parameters
 from img_recog.ros.log.throttle import ThrottledWarning
@@ -29,8 +31,6 @@ from img_recog.ros.queues import LatestValue
 from img_recog.ros.transport.image_publisher import ImagePublisher
 from img_recog.ros.transport.image_subscriber import ImageSubscriber
 from img_recog.settings import Settings, setting
-from img_recog.still_images import (ALLOWED_MAX_PIXELS, DEFAULT_MAX_PIXELS, ImageTooLarge,
-                                    check_size)
 
 _RAW, _COMPRESSED = 'raw', 'compressed'
 _POLL_S = 0.1

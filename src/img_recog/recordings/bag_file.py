@@ -10,8 +10,8 @@ import rosbag
 from rosbag.bag import BagMessageWithConnectionHeader, _BagReader200
 
 from img_recog.errors import UserError, one_line
+from img_recog.formats.still_images import DEFAULT_MAX_PIXELS
 from img_recog.recordings.frames import WANTED
-from img_recog.still_images import DEFAULT_MAX_PIXELS
 
 # raised by rosbag and genpy when they read a damaged file
 DAMAGE_ERRORS = (rosbag.ROSBagException, genpy.MessageException, struct.error, OSError, EOFError,

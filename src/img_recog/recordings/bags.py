@@ -11,10 +11,10 @@ from std_msgs.msg import Header
 from img_recog.conversions import compressed_image_msgs, image_msgs
 from img_recog.conversions.image_msgs import ImageError
 from img_recog.errors import UserError, one_line
+from img_recog.formats.still_images import DEFAULT_MAX_PIXELS
 from img_recog.recordings.bag_file import DAMAGE_ERRORS, damaged, open_bag
 from img_recog.recordings.frames import SECOND_NS, Frame, Frames, Part
 from img_recog.recordings.names import DEFAULT_TOPICS, is_bag
-from img_recog.still_images import DEFAULT_MAX_PIXELS
 
 if TYPE_CHECKING:
     from img_recog.recordings.camera_infos import CameraInfos

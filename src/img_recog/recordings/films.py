@@ -10,8 +10,8 @@ from img_recog.camera.selection import open_file
 from img_recog.camera.settings import CameraSettings
 from img_recog.camera.source import FrameSkipped, SourceEnded, SourceError, SourceTooLarge
 from img_recog.errors import UserError
+from img_recog.formats.still_images import DEFAULT_MAX_PIXELS
 from img_recog.recordings.frames import SECOND_NS, WANTED, Frame, Frames
-from img_recog.still_images import DEFAULT_MAX_PIXELS
 
 if TYPE_CHECKING:
     from img_recog.recordings.camera_infos import CameraInfos

@@ -4,12 +4,12 @@ import glob
 import os
 from typing import Callable, List, Sequence
 
-from img_recog import still_images
 from img_recog.camera.image_source import (VIDEO_EXTENSIONS, VIDEO_OR_LIVE_EXTENSIONS, files_in,
                                            is_image)
 from img_recog.camera.selection import open_file
 from img_recog.camera.source import SourceError, SourceTooLarge
 from img_recog.errors import UserError, shortened
+from img_recog.formats import still_images
 
 DEFAULT_TOPICS = ('/usb_cam/image_raw', '/usb_cam/image_raw/compressed')
 _ADVICE = 'give films, bags or images, folders with them, or patterns like "*.bag"'

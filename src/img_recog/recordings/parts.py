@@ -14,11 +14,11 @@ from img_recog.camera.decoder import Decoder
 from img_recog.camera.pacing import FrameTimes
 from img_recog.camera.settings import CameraSettings
 from img_recog.camera.source import FrameSkipped, check_size
+from img_recog.formats.still_images import DEFAULT_MAX_PIXELS
 from img_recog.recordings.bags import BagFrames
 from img_recog.recordings.films import FilmFrames
 from img_recog.recordings.frames import SECOND_NS, Frame, Frames, Part, Remarks
 from img_recog.recordings.names import is_bag
-from img_recog.still_images import DEFAULT_MAX_PIXELS
 
 FRAMES = 500        # of a part, at least, so that opening the file hardly counts
 _COMPLETE = 0.98    # of the frames that a film states; else the whole film tells what is wrong

@@ -2,7 +2,7 @@
 import math
 from typing import NamedTuple, Optional, Union
 
-from img_recog.lenses import AnyLens
+from img_recog.formats.lenses import AnyLens
 
 
 class Window(NamedTuple):

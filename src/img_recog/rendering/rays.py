@@ -5,7 +5,7 @@ from typing import NamedTuple, Optional, Tuple
 import cv2
 import numpy as np
 
-from img_recog.lenses import ID, TAN, Distortion, Lens
+from img_recog.formats.lenses import ID, TAN, Distortion, Lens
 from img_recog.rendering.camera import Camera, Intrinsics
 
 PLUMB_BOB, EQUIDISTANT = 'plumb_bob', 'equidistant'     # sensor_msgs/distortion_models.h

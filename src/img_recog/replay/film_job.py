@@ -12,11 +12,12 @@ from sensor_msgs.msg import LaserScan
 from tqdm import tqdm
 from visualization_msgs.msg import MarkerArray
 
-from img_recog import files, still_images
+from img_recog import files
 from img_recog.command_line.option_types import allowed
 from img_recog.conversions import plane_msgs
 from img_recog.conversions.plane_msgs import MAX_NUMBER, PoseError
 from img_recog.errors import UserError, counted
+from img_recog.formats import still_images
 from img_recog.processes.signals import Interrupts
 from img_recog.recordings.bags import BagFrames, check_bag
 from img_recog.recordings.frames import SECOND_NS, WANTED

@@ -4,8 +4,8 @@ import zlib
 from dataclasses import dataclass, field
 from typing import Mapping, Optional, Tuple
 
-from img_recog import lenses
 from img_recog.errors import SimulationError
+from img_recog.formats import lenses
 from img_recog.model import DIFFERENTIAL, PLANAR
 from img_recog.settings import (Allowed, SettingError, Settings, above, any_value, at_least,
                                 between, not_empty, one_of, setting)

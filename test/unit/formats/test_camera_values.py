@@ -3,7 +3,7 @@ import math
 
 import pytest
 
-from img_recog import lenses
+from img_recog.formats import lenses
 from img_recog_testing.parsed import cameras
 from img_recog_testing.refusals import refusal
 

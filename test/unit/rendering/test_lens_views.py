@@ -4,8 +4,9 @@ import math
 import numpy as np
 import pytest
 
-from img_recog import lenses, rotations
-from img_recog.lenses import Distortion, Lens
+from img_recog import rotations
+from img_recog.formats import lenses
+from img_recog.formats.lenses import Distortion, Lens
 from img_recog.model import BOX, SPHERE, Shape, Surroundings
 from img_recog.rendering import lens_views, matrices
 from img_recog.rendering.camera import Camera, View, Window

@@ -5,8 +5,8 @@ import cv2
 import numpy as np
 import pytest
 
-from img_recog import lenses
-from img_recog.lenses import Distortion, Lens
+from img_recog.formats import lenses
+from img_recog.formats.lenses import Distortion, Lens
 from img_recog.rendering.camera import Camera
 from img_recog.rendering.rays import directions, model_of
 

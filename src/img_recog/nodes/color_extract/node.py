@@ -31,6 +31,7 @@ from std_msgs.msg import Header
 from img_recog import files
 from img_recog.conversions import color_detection_msgs, twist_msgs
 from img_recog.conversions.image_msgs import ImageError
+from img_recog.formats.still_images import ALLOWED_MAX_PIXELS, DEFAULT_MAX_PIXELS
 from img_recog.nodes import color_parameters
 from img_recog.nodes.color_extract import inputs
 from img_recog.nodes.color_extract.diagnostics import RecognitionDiagnostics
@@ -49,7 +50,6 @@ from img_recog.ros.transport.image_publisher import ImagePublisher
 from img_recog.ros.transport.rosout import RecurringLine
 from img_recog.ros.yielding import Yielding
 from img_recog.settings import Settings, one_of, setting
-from img_recog.still_images import ALLOWED_MAX_PIXELS, DEFAULT_MAX_PIXELS
 
 _CAMERA = 'usb_cam/image_raw'
 _TOPICS = (_CAMERA, 'cmd_vel', 'color_detection', 'color_overlay', '/rosout')

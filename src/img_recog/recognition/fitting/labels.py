@@ -4,8 +4,8 @@ from typing import Dict, Iterator, List, Optional, Sequence, Set, Tuple
 import cv2
 import numpy as np
 
-from img_recog import still_images
 from img_recog.errors import UserError, one_line
+from img_recog.formats import still_images
 from img_recog.recognition.fitting.histograms import COLOR, IN_VIEW, NOT, Label
 from img_recog.recognition.fitting.samples import (IGNORED, NO_COLOR, RecordingSamples, Region,
                                                    SampleError, Samples)

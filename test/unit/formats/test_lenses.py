@@ -4,8 +4,8 @@ import math
 import numpy as np
 import pytest
 
-from img_recog import lenses
-from img_recog.lenses import ID, SIN, TAN, Lens
+from img_recog.formats import lenses
+from img_recog.formats.lenses import ID, SIN, TAN, Lens
 
 # the radius at an angle of 1 rad, by the formulas of the projections with focal length 1
 AT_ONE = {'gnomonical': math.tan(1), 'stereographic': 2 * math.tan(0.5), 'equidistant': 1.0,

@@ -9,7 +9,6 @@ import numpy as np
 import pytest
 from sensor_msgs.msg import CompressedImage, Image
 
-from img_recog import still_images
 from img_recog.camera.image_source import FolderSource, read_image
 from img_recog.camera.selection import open_file, open_source
 from img_recog.camera.settings import CameraSettings
@@ -18,6 +17,7 @@ from img_recog.camera.video_source import VideoSource
 from img_recog.conversions import image_msgs
 from img_recog.conversions.compressed_image_msgs import from_msg
 from img_recog.conversions.image_msgs import ImageError
+from img_recog.formats import still_images
 from img_recog_testing import bombs
 from img_recog_testing.fake_decoder import FakeDecoder
 

@@ -10,10 +10,10 @@ import pytest
 from PIL import Image
 from sensor_msgs.msg import CompressedImage
 
-from img_recog import still_images
 from img_recog.camera.image_source import read_image
 from img_recog.conversions.compressed_image_msgs import from_msg
 from img_recog.conversions.image_msgs import ImageError
+from img_recog.formats import still_images
 from img_recog_testing import bombs
 
 RNG = np.random.RandomState(11)
