@@ -3,9 +3,8 @@ import ast
 import pathlib
 
 PURE = ('camera', 'formats', 'recognition', 'rendering', 'simulation', 'teleoperation')
-GROUND_FLOOR = ('assemble', 'command_line', 'errors', 'files', 'mesh_file', 'mesh_formats',
-                'model', 'processes', 'resources', 'robot_file', 'rotations', 'settings',
-                'textures')
+GROUND_FLOOR = ('assemble', 'command_line', 'errors', 'files', 'model', 'processes', 'resources',
+                'robot_file', 'rotations', 'settings')
 # the rooms of simulation/, from the lowest to the highest: none imports one above it
 SIMULATION_ROOMS = ('settings', 'names', 'physics', 'sensors', 'robot_spec', 'carrier', 'vehicle',
                     'simulator', 'pictures', 'states', 'models', 'model_forces', 'figures',
@@ -15,7 +14,7 @@ OWNERS = {
     **dict.fromkeys(('pybullet', 'pybullet_data', 'pybullet_utils'), tuple(
         'simulation/' + room for room in SIMULATION_ROOMS)),
     'moderngl': ('rendering',),
-    **dict.fromkeys(('collada', 'trimesh'), ('mesh_file',)),
+    **dict.fromkeys(('collada', 'trimesh'), ('formats/meshes',)),
     **dict.fromkeys(('dask', 'distributed'), ('batch',)),
     **dict.fromkeys(('fastapi', 'nicegui', 'starlette', 'uvicorn'), ('nodes/web',))}
 # of rospy's objects
@@ -26,16 +25,12 @@ ROS_LIBRARIES = ('actionlib', 'camera_info_manager', 'catkin', 'cv_bridge', 'dia
                  'laser_geometry', 'message_filters', 'nodelet', 'tf', 'tf2_ros', 'tf_conversions')
 # for each part of img_recog, the other parts that it may use
 ALLOWED = {
-    **{folder: ('errors', 'files', 'formats', 'mesh_file', 'model', 'rotations', 'settings',
-                'textures') + (('processes',) if folder == 'simulation' else ())
-       for folder in PURE},
+    **{folder: ('errors', 'files', 'formats', 'model', 'rotations', 'settings') + (
+        ('processes',) if folder == 'simulation' else ()) for folder in PURE},
     'assemble': PURE + ('conversions', 'resources', 'robot_file', 'settings'),
     'command_line': ('errors',),
     '__init__': (), 'errors': (), 'processes': ('errors',), 'rotations': (),
-    'textures': ('errors', 'files'), 'model': ('rotations',),
-    'mesh_file': ('errors', 'files', 'mesh_formats', 'model', 'textures'),
-    'mesh_formats': ('files', 'model'),
-    'files': ('errors',), 'settings': ('errors',),
+    'model': ('rotations',), 'files': ('errors',), 'settings': ('errors',),
     'resources': ('errors', 'files'),
     'robot_file': ('errors', 'files', 'formats'),
     'ros': ('errors', 'settings'),

@@ -4,11 +4,12 @@ import signal
 
 import pytest
 
-from img_recog import files, mesh_file, robot_file, textures
+from img_recog import files, robot_file
 from img_recog.camera import calibration
 from img_recog.checks import world_check
 from img_recog.errors import UserError
-from img_recog.formats import heightmaps
+from img_recog.formats import heightmaps, textures
+from img_recog.formats.meshes import mesh_file
 from img_recog.model import HEIGHTMAP, Shape
 from img_recog.nodes.robots import robot_list
 from img_recog.recognition import parameter_file

@@ -60,7 +60,7 @@ def test_only_lifecycle_uses_shutdown_hooks_of_rospy():
      'camera must not use ROS'),
     ('simulation/a.py', 'from std_srvs.srv import Empty', 'simulation must not use ROS'),
     ('simulation/deeper/a.py', 'from ...ros import queues', 'simulation may use'),
-    ('simulation/physics/a.py', 'import trimesh', 'only mesh_file may use trimesh'),
+    ('simulation/physics/a.py', 'import trimesh', 'only formats/meshes may use trimesh'),
     ('nodes/gazebo/a.py', 'import moderngl', 'only rendering may use moderngl'),
     ('nodes/gazebo/a.py', 'from nicegui import ui', 'only nodes/web may use nicegui'),
     ('ros/a.py', 'import uvicorn', 'only nodes/web may use uvicorn'),
@@ -119,7 +119,7 @@ def test_a_planted_violation_is_found(tmp_path, path, line, words):
     ('replay/a.py', 'import rosbag, genpy\nfrom img_recog.simulation import body'),
     ('nodes/gazebo/a.py', 'from img_recog.nodes import color_parameters\nfrom . import view'),
     ('nodes/web/a.py', 'from nicegui import ui\nfrom img_recog.graph import dot'),
-    ('mesh_file.py', 'import trimesh, collada'),
+    ('formats/meshes/a.py', 'import trimesh, collada'),
     ('camera/a.py', 'from img_recog.formats import markup, still_images'),
     ('batch/a.py', 'import distributed\nfrom img_recog.replay import job'),
     ('simulation/sensors/a.py', 'import pybullet\nfrom img_recog.simulation.physics import body')])

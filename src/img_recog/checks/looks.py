@@ -4,9 +4,11 @@ from typing import Dict, List, NamedTuple, Optional, Set
 
 import numpy as np
 
-from img_recog import mesh_file, rotations, textures
+from img_recog import rotations
 from img_recog.checks.report import NOT_DRAWN, SIMULATED, Row
 from img_recog.errors import UserError, one_line
+from img_recog.formats import textures
+from img_recog.formats.meshes import mesh_file
 from img_recog.model import Visual
 from img_recog.rendering import triangles
 from img_recog.simulation.pictures import visual_scene

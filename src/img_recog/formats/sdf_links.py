@@ -8,10 +8,10 @@ import numpy as np
 from img_recog.errors import SimulationError
 from img_recog.files import FindFile, no_file
 from img_recog.formats import generated_meshes, heightmaps, inertias, materials
+from img_recog.formats.meshes.mesh_file import READABLE
 from img_recog.formats.numbers import read_direction, read_lengths, read_number
 from img_recog.formats.sdf_frames import pose_of
 from img_recog.formats.texts import is_true, name_of, text_of
-from img_recog.mesh_file import READABLE
 from img_recog.model import (ALL_BITS, BOX, CYLINDER, HEIGHTMAP, MESH, PLANE, SPHERE, WHITE,
                              Inertia, Look, Shape, Solid, Submesh)
 from img_recog.rotations import IDENTITY, Transform

@@ -6,12 +6,12 @@ from typing import Any, Dict, List, Optional, Tuple
 from img_recog.errors import SimulationError
 from img_recog.files import FindFile
 from img_recog.formats import frictions, inertias, lights, materials
+from img_recog.formats.meshes.mesh_file import READABLE
 from img_recog.formats.numbers import (read_coefficient, read_lengths, read_number,
                                        read_numbers)
 from img_recog.formats.sdf_frames import pose_of
 from img_recog.formats.sdf_links import bitmask
 from img_recog.formats.texts import is_true, name_of, text_of
-from img_recog.mesh_file import READABLE
 from img_recog.model import (ALL_BITS, BOX, CAPSULE, CYLINDER, MESH, NO_INERTIA, SPHERE, Friction,
                              Inertia, Link, Look, Material, Shape, Solid)
 from img_recog.rotations import IDENTITY, Transform, transform

@@ -5,9 +5,9 @@ from typing import Dict, List, NamedTuple, Optional, Sequence, Tuple
 import moderngl
 import numpy as np
 
-from img_recog import textures
 from img_recog.errors import one_line
-from img_recog.mesh_file import MeshError, Triangles
+from img_recog.formats import textures
+from img_recog.formats.meshes.mesh_file import MeshError, Triangles
 from img_recog.model import MESH, WHITE, Material, Rgb, Shape, Visual, VisualScene
 from img_recog.rendering import floor, prepared, shaders, triangles
 from img_recog.rendering.file_cache import FileCache

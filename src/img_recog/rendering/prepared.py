@@ -4,8 +4,9 @@ from typing import Any, List, Optional, Tuple
 
 import numpy as np
 
-from img_recog import mesh_file, textures
-from img_recog.mesh_file import MeshError, Triangles
+from img_recog.formats import textures
+from img_recog.formats.meshes import mesh_file
+from img_recog.formats.meshes.mesh_file import MeshError, Triangles
 from img_recog.model import Material
 from img_recog.rendering import disk_cache
 from img_recog.rendering.file_cache import version

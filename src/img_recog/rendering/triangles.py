@@ -3,8 +3,8 @@ from typing import Callable, Dict, List
 
 import numpy as np
 
-from img_recog import mesh_file
-from img_recog.mesh_file import Triangles
+from img_recog.formats.meshes import mesh_file
+from img_recog.formats.meshes.mesh_file import Triangles
 from img_recog.model import BOX, CYLINDER, MESH, PLANE, SPHERE, Shape
 
 _SECTIONS = 48              # of a full circle

@@ -11,7 +11,7 @@ from img_recog.formats import (audit, camera_tags, drive_controllers, drive_tags
                                lumping, urdf as urdf_file)
 from img_recog.formats.audit import Finding
 from img_recog.formats.drive_controllers import FindControllers
-from img_recog.mesh_file import READABLE
+from img_recog.formats.meshes.mesh_file import READABLE
 from img_recog.model import Model, Tree
 from img_recog.settings import SettingError, from_mapping
 from img_recog.simulation.names import Names

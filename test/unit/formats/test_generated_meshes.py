@@ -5,8 +5,8 @@ import os
 import numpy as np
 import pytest
 
-from img_recog import mesh_file
 from img_recog.formats import generated_meshes
+from img_recog.formats.meshes import mesh_file
 from img_recog_testing.refusals import refusal
 
 # an L of 3 m2, anticlockwise

@@ -6,8 +6,8 @@ import pybullet
 import pytest
 from PIL import Image
 
-from img_recog import mesh_file
 from img_recog.formats import heightmaps, world_file
+from img_recog.formats.meshes import mesh_file
 from img_recog.model import BOX, HEIGHTMAP, Material, Shape
 from img_recog.simulation.physics import footprints
 from img_recog.simulation.physics.client import connect

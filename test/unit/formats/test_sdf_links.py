@@ -4,8 +4,9 @@ import xml.etree.ElementTree as ElementTree
 import numpy as np
 import pytest
 
-from img_recog import mesh_file, rotations
+from img_recog import rotations
 from img_recog.formats import sdf_files, sdf_links
+from img_recog.formats.meshes import mesh_file
 from img_recog.model import BOX, CYLINDER, MESH, PLANE, SPHERE, WHITE, WHOLE, Shape, Submesh
 from img_recog.rotations import IDENTITY, transform
 from img_recog_testing.refusals import refusal

@@ -2,8 +2,8 @@
 import numpy as np
 import pytest
 
-from img_recog import mesh_file
 from img_recog.formats import generated_meshes, world_file
+from img_recog.formats.meshes import mesh_file
 from img_recog.model import NO_INERTIA
 from img_recog_testing.refusals import refusal
 from img_recog_testing.sdf import sdf

@@ -5,7 +5,8 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from img_recog import mesh_file, textures
+from img_recog.formats import textures
+from img_recog.formats.meshes import mesh_file
 from img_recog.rendering import disk_cache, prepared
 
 OBJ = ('mtllib m.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nvt 0 0\nvt 1 0\nvt 0 1\no first\n'

@@ -2,7 +2,7 @@
 import numpy as np
 import pytest
 
-from img_recog.mesh_file import MeshError
+from img_recog.formats.meshes.mesh_file import MeshError
 from img_recog.model import BOX, CYLINDER, MESH, PLANE, SPHERE, WHITE, Shape, Submesh
 from img_recog.rendering.triangles import of_shape
 

@@ -11,13 +11,14 @@ from typing import Iterator, Optional
 import numpy as np
 import pybullet
 
-from img_recog import mesh_file, rotations
+from img_recog import rotations
 from img_recog.errors import SimulationError
 from img_recog.formats import heightmaps, names
 from img_recog.formats.inertias import INERTIA_KEYS
+from img_recog.formats.meshes import mesh_file
+from img_recog.formats.meshes.mesh_file import MeshError
 from img_recog.formats.numbers import words
 from img_recog.formats.problems import Problems
-from img_recog.mesh_file import MeshError
 from img_recog.model import (BOX, CAPSULE, CYLINDER, MESH, PLANE, SPHERE, Inertia, Joint, Link,
                              Look, Material, Model, Shape, Solid)
 from img_recog.rotations import IDENTITY, Transform

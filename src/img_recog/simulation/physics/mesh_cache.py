@@ -7,10 +7,10 @@ from typing import Tuple
 
 import numpy as np
 
-from img_recog import mesh_file
 from img_recog.errors import SimulationError
 from img_recog.formats.kept_files import kept
-from img_recog.mesh_file import MeshError
+from img_recog.formats.meshes import mesh_file
+from img_recog.formats.meshes.mesh_file import MeshError
 from img_recog.model import WHOLE, Submesh
 
 _STL_HEADER_BYTES = 84

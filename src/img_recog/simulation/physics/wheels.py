@@ -6,8 +6,8 @@ from typing import Any, Container, Dict, List, NamedTuple, Optional, Sequence, T
 import cv2
 import numpy as np
 
-from img_recog import mesh_file
-from img_recog.mesh_file import MeshError
+from img_recog.formats.meshes import mesh_file
+from img_recog.formats.meshes.mesh_file import MeshError
 from img_recog.model import CYLINDER, FIXED, MESH, SPHERE, Joint, Look, Model, Solid
 from img_recog.rotations import IDENTITY, Transform
 from img_recog.simulation.settings import DriveSettings

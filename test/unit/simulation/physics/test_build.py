@@ -7,8 +7,8 @@ import pybullet
 import pytest
 from PIL import Image
 
-from img_recog import mesh_file
 from img_recog.errors import SimulationError
+from img_recog.formats.meshes import mesh_file
 from img_recog.model import (BOX, FIXED, PLANE, SPHERE, WHOLE, Joint, Link, Look, Material, Model,
                              Shape, Submesh)
 from img_recog.rotations import IDENTITY, transform

@@ -2,8 +2,8 @@
 import numpy as np
 import pytest
 
-from img_recog import mesh_file
-from img_recog.mesh_formats.file_material import UNSTATED
+from img_recog.formats.meshes import mesh_file
+from img_recog.formats.meshes.file_material import UNSTATED
 from img_recog.model import WHITE
 
 IMAGE = '<library_images><image id="i"><init_from>a%20b.png</init_from></image></library_images>'

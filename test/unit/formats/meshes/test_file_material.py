@@ -3,7 +3,7 @@ import os
 
 import pytest
 
-from img_recog.mesh_formats.file_material import find_texture, number_color, number_of
+from img_recog.formats.meshes.file_material import find_texture, number_color, number_of
 
 FILES = ('models/b/meshes/near.png', 'models/b/materials/textures/far.png',
          'models/b/materials/textures/both.png', 'models/b/meshes/both.png',

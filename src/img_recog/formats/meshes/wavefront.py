@@ -5,8 +5,8 @@ import re
 from typing import Dict, List, Optional
 
 from img_recog.files import plain
-from img_recog.mesh_formats.file_material import find_texture, number_color
-from img_recog.mesh_formats.simplified import FilePart, Simplified
+from img_recog.formats.meshes.file_material import find_texture, number_color
+from img_recog.formats.meshes.simplified import FilePart, Simplified
 from img_recog.model import Material, Rgb
 
 # lines of an OBJ that trimesh misreads: with a tab or a space first, or with an index up to 0

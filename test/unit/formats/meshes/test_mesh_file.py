@@ -6,10 +6,11 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from img_recog import mesh_file, textures
-from img_recog.mesh_file import MeshError
+from img_recog.formats import textures
+from img_recog.formats.meshes import mesh_file
+from img_recog.formats.meshes.mesh_file import MeshError
+from img_recog.formats.textures import TextureError
 from img_recog.model import WHITE, Submesh
-from img_recog.textures import TextureError
 from img_recog_testing import bombs
 
 COLLADA = '''<COLLADA version="1.4.1" xmlns="http://www.collada.org/2005/11/COLLADASchema">

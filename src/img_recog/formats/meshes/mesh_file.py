@@ -12,9 +12,9 @@ import numpy as np
 
 from img_recog.errors import UserError, one_line
 from img_recog.files import plain
-from img_recog.mesh_formats import collada, stl, wavefront
-from img_recog.mesh_formats.file_material import find_texture, number_of
-from img_recog.mesh_formats.simplified import FilePart, Simplified
+from img_recog.formats.meshes import collada, stl, wavefront
+from img_recog.formats.meshes.file_material import find_texture, number_of
+from img_recog.formats.meshes.simplified import FilePart, Simplified
 from img_recog.model import WHITE, WHOLE, Material, Submesh
 
 READABLE = ('.dae', '.obj', '.stl')
@@ -116,7 +116,7 @@ def _simple_material(material: Material, number: int) -> Any:
     from PIL import Image
     from trimesh.visual.material import SimpleMaterial
 
-    from img_recog import textures
+    from img_recog.formats import textures
     try:
         image = Image.fromarray(textures.read(material.texture)) if material.texture else None
     except textures.TextureError:

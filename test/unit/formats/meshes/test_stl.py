@@ -4,7 +4,7 @@ import struct
 import numpy as np
 import pytest
 
-from img_recog import mesh_file
+from img_recog.formats.meshes import mesh_file
 
 FACET = ('facet normal 0 0 1\n outer loop\n  vertex 0 0 {0}\n  vertex 1.5e+00 0 {0}\n'
          '  vertex 0 1 {0}\n endloop\nendfacet\n')

@@ -9,10 +9,10 @@ from typing import Callable, Dict, Iterator, List, NamedTuple, Optional, Tuple
 
 import numpy as np
 
-from img_recog.mesh_formats.collada_geometry import count_triangles, simplify
-from img_recog.mesh_formats.collada_materials import Materials, read_floats
-from img_recog.mesh_formats.file_material import number_color
-from img_recog.mesh_formats.simplified import FilePart, Simplified
+from img_recog.formats.meshes.collada_geometry import count_triangles, simplify
+from img_recog.formats.meshes.collada_materials import Materials, read_floats
+from img_recog.formats.meshes.file_material import number_color
+from img_recog.formats.meshes.simplified import FilePart, Simplified
 
 _NAMESPACE = 'http://www.collada.org/2005/11/COLLADASchema'
 _MAX_NODES = 200_000        # that nodes refer to

@@ -2,7 +2,7 @@
 import numpy as np
 import pytest
 
-from img_recog import mesh_file
+from img_recog.formats.meshes import mesh_file
 from img_recog.model import WHITE, Material
 
 OBJ = 'mtllib {}\nv 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 0 1\nusemtl m\nf 1/1 2/2 3/3\n'

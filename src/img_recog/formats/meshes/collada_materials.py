@@ -5,7 +5,7 @@ from typing import Callable, Dict, Optional, Sequence
 
 import numpy as np
 
-from img_recog.mesh_formats.file_material import UNSTATED, UNSTATED_AMBIENT
+from img_recog.formats.meshes.file_material import UNSTATED, UNSTATED_AMBIENT
 from img_recog.model import Material, Rgb
 
 _SHADERS = 'lambert', 'phong', 'blinn', 'constant'

@@ -3,7 +3,7 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from img_recog import textures
+from img_recog.formats import textures
 
 
 @pytest.mark.parametrize('size, shape', [((4096, 2), (2, 4096, 3)), ((2, 8192), (4096, 1, 3))])
