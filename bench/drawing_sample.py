@@ -13,7 +13,7 @@ from typing import Callable, NamedTuple, Sequence
 import numpy as np
 import pybullet
 
-from img_recog import resources
+from img_recog.loading import resources
 from img_recog.model import SUN, VisualScene
 from img_recog.rendering import matrices
 from img_recog.rendering.camera import Camera

@@ -3,5 +3,5 @@
 import sys
 
 if __name__ == '__main__':
-    from img_recog.robot_file import main
+    from img_recog.loading.robot_file import main
     sys.exit(main())

@@ -36,20 +36,20 @@ def check(words):
         from img_recog.recognition import parameter_file
         parameter_file.read(given['colors'])
     if 'urdf' in given:
-        from img_recog import robot_file
+        from img_recog.loading import robot_file
         robot_file.read(given['urdf'])
     for name in sorted(given):
         if name.startswith('lockstep'):
             _check_lockstep(name, given)
     if given.get('robots', 'none') != 'none':
-        from img_recog import resources
+        from img_recog.loading import resources
         from img_recog.nodes.robots import robot_list
         robot_list.read_robots(given['robots'], vars(_settings(robot_list.NodeSettings, given)),
                                resources.find)
     if given.get('camera') == 'robot':
         _check_robot_camera(given)
     if 'world' in given:
-        from img_recog import resources, robot_file
+        from img_recog.loading import resources, robot_file
         from img_recog.formats import world_file
         world_file.read(given['world'], resources.worlds(), resources.find,
                         given.get('allow_partial_world', '').lower() in _TRUE,

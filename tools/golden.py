@@ -17,9 +17,9 @@ from typing import Any, Iterator, List
 import numpy as np
 import pybullet
 
-from img_recog import assemble
 from img_recog.errors import UserError, one_line
 from img_recog.formats.world_file import EMPTY
+from img_recog.loading import assemble
 from img_recog.simulation.assembly import Assembly
 from img_recog.simulation.figures import Figures
 from img_recog.simulation.physics.body import Body

@@ -3,8 +3,8 @@ import ast
 import pathlib
 
 PURE = ('camera', 'formats', 'recognition', 'rendering', 'simulation', 'teleoperation')
-GROUND_FLOOR = ('assemble', 'command_line', 'errors', 'files', 'model', 'processes', 'resources',
-                'robot_file', 'rotations', 'settings')
+GROUND_FLOOR = ('command_line', 'errors', 'files', 'loading', 'model', 'processes', 'rotations',
+                'settings')
 # the rooms of simulation/, from the lowest to the highest: none imports one above it
 SIMULATION_ROOMS = ('settings', 'names', 'physics', 'sensors', 'robot_spec', 'carrier', 'vehicle',
                     'simulator', 'pictures', 'states', 'models', 'model_forces', 'figures',
@@ -27,12 +27,10 @@ ROS_LIBRARIES = ('actionlib', 'camera_info_manager', 'catkin', 'cv_bridge', 'dia
 ALLOWED = {
     **{folder: ('errors', 'files', 'formats', 'model', 'rotations', 'settings') + (
         ('processes',) if folder == 'simulation' else ()) for folder in PURE},
-    'assemble': PURE + ('conversions', 'resources', 'robot_file', 'settings'),
     'command_line': ('errors',),
     '__init__': (), 'errors': (), 'processes': ('errors',), 'rotations': (),
     'model': ('rotations',), 'files': ('errors',), 'settings': ('errors',),
-    'resources': ('errors', 'files'),
-    'robot_file': ('errors', 'files', 'formats'),
+    'loading': ('conversions', 'errors', 'files', 'formats', 'settings', 'simulation'),
     'ros': ('errors', 'settings'),
     'conversions': PURE + ('errors', 'rotations', 'settings'),
     'recordings': PURE + GROUND_FLOOR + ('conversions',),

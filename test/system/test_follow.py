@@ -12,7 +12,7 @@ import numpy as np
 import pybullet
 import pytest
 
-from img_recog import resources
+from img_recog.loading import resources
 from img_recog.recognition import parameter_file
 from img_recog.recognition.commands import STOP
 from img_recog.recognition.settings import with_colors

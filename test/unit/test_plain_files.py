@@ -4,12 +4,13 @@ import signal
 
 import pytest
 
-from img_recog import files, robot_file
+from img_recog import files
 from img_recog.camera import calibration
 from img_recog.checks import world_check
 from img_recog.errors import UserError
 from img_recog.formats import heightmaps, textures
 from img_recog.formats.meshes import mesh_file
+from img_recog.loading import robot_file
 from img_recog.model import HEIGHTMAP, Shape
 from img_recog.nodes.robots import robot_list
 from img_recog.recognition import parameter_file

@@ -101,7 +101,10 @@ def test_only_lifecycle_uses_shutdown_hooks_of_rospy():
     ('__init__.py', 'import rosgraph', '__init__ must not use ROS'),
     ('__init__.py', 'from img_recog.ros import queues', '__init__ may use nothing'),
     ('helpers/a.py', 'import math', 'helpers is not a part'),
-    ('resources.py', 'import rospy', 'resources runs without a node'),
+    ('loading/a.py', 'import rospy', 'loading runs without a node'),
+    ('loading/a.py', 'from img_recog.ros import parameters', 'loading may use'),
+    ('formats/a.py', 'from img_recog.loading import resources', 'formats may use'),
+    ('formats/a.py', 'import rospkg', 'formats must not use ROS'),
     ('files.py', 'import rospkg', 'files must not use ROS'),
     ('files.py', 'from img_recog.camera import urls', 'files may use'),
     ('settings.py', 'from img_recog import files', 'settings may use')])

@@ -7,7 +7,7 @@ import os
 import re
 from typing import Any, Callable, Dict, List, Sequence
 
-from img_recog import files, resources
+from img_recog import files
 from img_recog.batch import evaluate_report, evaluation, inputs, labels, options
 from img_recog.batch.engine import Engine
 from img_recog.batch.evaluation import ColorSet, Evaluated, Measured, Truth
@@ -15,6 +15,7 @@ from img_recog.batch.stages import Results, Stages, divide
 from img_recog.batch.work import Piece
 from img_recog.command_line import results
 from img_recog.errors import UserError, counted, one_line, shortened, suggestion
+from img_recog.loading import resources
 from img_recog.processes.signals import Interrupts
 from img_recog.recognition import parameter_file
 from img_recog.recordings import names

@@ -2,9 +2,9 @@
 import functools
 import os
 
-from img_recog import assemble, robot_file
 from img_recog.batch.work_folder import digest, identity
 from img_recog.errors import UserError, one_line
+from img_recog.loading import assemble, robot_file
 from img_recog.rendering import prepared
 
 

@@ -7,10 +7,10 @@ import random
 from dataclasses import dataclass
 from typing import Any, Dict, Iterator, List, Mapping, NamedTuple, Sequence, Tuple, Union
 
-from img_recog import resources
 from img_recog.batch.labels import of_value, unique
 from img_recog.errors import UserError, one_line, shortened, suggestion
 from img_recog.formats.markup import MarkupError, load_yaml, read_bytes
+from img_recog.loading import resources
 from img_recog.rendering.light import LightSettings
 from img_recog.settings import (SettingError, Settings, above, at_least, between, from_mapping,
                                 not_empty, setting, setting_fields)

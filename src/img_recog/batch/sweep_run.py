@@ -9,9 +9,9 @@ from typing import Any, Dict, Iterable, Iterator, List, NamedTuple, Optional, Se
 
 import numpy as np
 
-from img_recog import resources
 from img_recog.batch.sweep_file import Run, Success, Values, given
 from img_recog.errors import UserError
+from img_recog.loading import resources
 from img_recog.rendering import renderer
 from img_recog.rendering.light import LightSettings
 from img_recog.replay import programs, scenario

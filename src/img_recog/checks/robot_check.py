@@ -3,7 +3,6 @@ import dataclasses
 import math
 from typing import Any, Dict, Iterator, Mapping, NamedTuple, Sequence, Tuple
 
-from img_recog import assemble
 from img_recog.checks import looks
 from img_recog.checks.looks import Looks
 from img_recog.checks.report import (ASSUMED, MEASURED, NOT_DRAWN, NOT_SIMULATED, SIMULATED,
@@ -13,6 +12,7 @@ from img_recog.formats import drive_controllers
 from img_recog.formats.drive_controllers import Controllers
 from img_recog.formats.markup import MarkupError, load_yaml, read_bytes
 from img_recog.formats.world_file import EMPTY
+from img_recog.loading import assemble
 from img_recog.simulation.physics import wheels
 from img_recog.simulation.robot_spec import RobotSpec
 from img_recog.simulation.settings import PhysicsSettings

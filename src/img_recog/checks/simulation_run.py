@@ -8,9 +8,9 @@ from typing import Any, Dict, Iterator, List, NamedTuple, Sequence, Tuple
 
 import cv2
 
-from img_recog import assemble
 from img_recog.conversions import robot_cameras
 from img_recog.errors import UserError
+from img_recog.loading import assemble
 from img_recog.rendering import lens_views, renderer
 from img_recog.simulation.carrier import Carrier
 from img_recog.simulation.figures import Figures

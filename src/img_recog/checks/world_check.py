@@ -3,11 +3,11 @@ from typing import Iterator
 
 import numpy as np
 
-from img_recog import assemble
 from img_recog.checks import looks
 from img_recog.checks.looks import Looks
 from img_recog.checks.report import LEFT_OUT, NOT_DRAWN, SIMULATED, Report, Row, rows_of, size
 from img_recog.formats.world_file import WorldFile
+from img_recog.loading import assemble
 from img_recog.simulation.physics.world import World
 from img_recog.simulation.settings import PhysicsSettings
 

@@ -3,11 +3,11 @@ import argparse
 import os
 from typing import Sequence
 
-from img_recog import resources
 from img_recog.camera.settings import CameraSettings
 from img_recog.command_line.option_types import allowed
 from img_recog.errors import UserError
 from img_recog.formats import still_images
+from img_recog.loading import resources
 from img_recog.recordings import names
 from img_recog.settings import SettingError
 from img_recog.simulation.settings import SpawnSettings

@@ -4,9 +4,9 @@ import logging
 from types import MappingProxyType
 from typing import Any, Mapping
 
-from img_recog import assemble
 from img_recog.conversions.sensor_table import SENSORS
 from img_recog.errors import UserError
+from img_recog.loading import assemble
 from img_recog.replay.recorders import RECORDED
 from img_recog.simulation.assembly import Assembly
 from img_recog.simulation.settings import (CameraSettings, NoiseSettings, PhysicsSettings,

@@ -1,6 +1,6 @@
 """The one way to build a simulator: of robots, their settings and a world.
 
-assemble.py reads the files for it. Warnings are returned; nothing is logged.
+loading/assemble.py reads the files for it. Warnings are returned; nothing is logged.
 """
 import contextlib
 from typing import Callable, Iterator, List, NamedTuple, Sequence, Tuple

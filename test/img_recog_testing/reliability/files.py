@@ -15,13 +15,13 @@ import numpy as np
 import psutil
 import rosbag
 
-from img_recog import resources
 from img_recog.camera import calibration
 from img_recog.camera.selection import open_file
 from img_recog.camera.source import FrameSkipped, SourceEnded
 from img_recog.checks import robot_check, world_check
 from img_recog.errors import UserError
 from img_recog.formats import lumping, still_images, urdf, world_file
+from img_recog.loading import resources
 from img_recog.recordings.bags import BagFrames
 from img_recog_testing import bombs
 from img_recog_testing.reliability import chain, hostile

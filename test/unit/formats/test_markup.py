@@ -4,9 +4,9 @@ import xml.etree.ElementTree as ElementTree
 
 import pytest
 
-from img_recog import robot_file
 from img_recog.camera import calibration
 from img_recog.formats import markup, model_file, world_file
+from img_recog.loading import robot_file
 from img_recog.recognition import parameter_file
 from img_recog.simulation.robot_spec import read_robot
 from img_recog_testing.parsed import lumped

@@ -10,9 +10,9 @@ import numpy as np
 import pytest
 import rosbag
 
-from img_recog import resources
 from img_recog.camera import calibration
 from img_recog.errors import UserError
+from img_recog.loading import resources
 from img_recog.replay import cli, figure, job
 from img_recog.replay.plot_data import PlotData
 from img_recog.simulation.settings import SpawnSettings

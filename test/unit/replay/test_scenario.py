@@ -1,8 +1,8 @@
 """The world and robot of a replay are the demo's, or those of the files that are given."""
 import pytest
 
-from img_recog import resources
 from img_recog.errors import UserError
+from img_recog.loading import resources
 from img_recog.replay import scenario
 from img_recog.simulation.settings import CameraSettings, SpawnSettings
 from img_recog_testing import robots

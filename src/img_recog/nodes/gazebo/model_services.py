@@ -10,10 +10,11 @@ import rospy
 from geometry_msgs.msg import Point, Pose, Quaternion, Twist, Vector3
 from std_msgs.msg import Header
 
-from img_recog import resources, rotations
+from img_recog import rotations
 from img_recog.conversions import robot_msgs
 from img_recog.errors import SimulationError, UserError, one_line
 from img_recog.formats import drive_tags, model_file, names
+from img_recog.loading import resources
 from img_recog.model import Tree
 from img_recog.nodes.gazebo.physics_services import RuntimeSettings, ServiceCalls
 from img_recog.nodes.gazebo.robot_reader import RobotReader

@@ -38,8 +38,8 @@ import cv2
 import rospy
 from diagnostic_updater import DiagnosticStatusWrapper
 
-from img_recog import assemble
 from img_recog.conversions.plane_msgs import PlanePose
+from img_recog.loading import assemble
 from img_recog.nodes.gazebo import model_services
 from img_recog.nodes.gazebo.clock import SimulatedClock
 from img_recog.nodes.gazebo.diagnostics import SimulationDiagnostics

@@ -17,8 +17,9 @@ from typing import Dict, Iterable, List
 import rospy
 from std_srvs.srv import Trigger, TriggerRequest, TriggerResponse
 
-from img_recog import files, resources, robot_file
+from img_recog import files
 from img_recog.errors import UserError, one_line
+from img_recog.loading import resources, robot_file
 from img_recog.nodes.robots import robot_list
 from img_recog.nodes.robots.robot_list import NodeSettings, Problem, RobotRow
 from img_recog.nodes.robots.robot_nodes import RobotNodes

@@ -10,8 +10,8 @@ from importlib import util
 
 import pytest
 
-from img_recog import robot_file
 from img_recog.formats import world_file
+from img_recog.loading import robot_file
 from img_recog.model import SPHERE, Shape
 from img_recog_testing import refusals
 
@@ -103,7 +103,7 @@ def test_package_xacro_of_this_one_is_not_that_of_ros_1(box, command):
     """Then a xacro in PATH may be any other, which does not find ROS 1's packages."""
     command('exit 1')
     manifest = pathlib.Path(os.environ['ROS_PACKAGE_PATH'], 'xacro', 'package.xml')
-    source = pathlib.Path(__file__).parents[2] / 'cmake' / 'xacro' / 'package.xml'
+    source = pathlib.Path(__file__).parents[3] / 'cmake' / 'xacro' / 'package.xml'
     manifest.write_text(source.read_text())
     assert '<sphere radius="0.2"/>' in robot_file.read(box)
 

@@ -1,11 +1,11 @@
 """Worlds and robots in files, and simulators of them: for the node, programs and tools alike."""
 from typing import Callable, Sequence
 
-from img_recog import resources, robot_file
 from img_recog.conversions.sensor_table import SENSORS
 from img_recog.formats import drive_controllers, world_file
 from img_recog.formats.drive_controllers import FindControllers
 from img_recog.formats.world_file import WorldFile
+from img_recog.loading import resources, robot_file
 from img_recog.settings import from_mapping
 from img_recog.simulation import assembly, robot_spec
 from img_recog.simulation.assembly import Assembly

@@ -4,7 +4,7 @@ import os
 import pytest
 import rospkg
 
-from img_recog import resources
+from img_recog.loading import resources
 
 
 @pytest.fixture
