@@ -51,9 +51,10 @@ def apply(body: FramedBody, slides: bool = False) -> None:
     """
     client = {'physicsClientId': body.physics_client_id}
     given = {link.name: link.surface for link in body.model.links}
-    mass = body.mass() if body.joints and not body.fixed else 0.0
+    mass = mass_on_contacts(body)
     links = link_indices(body.body_id, body.physics_client_id)
     for name, link in links.items():
+        set_stiffness(body, link, mass)
         wheel = name.replace(tyres.ACROSS, '')
         friction = Friction(0.0) if slides else given.get(wheel, Friction())
         pybullet.changeDynamics(
@@ -61,12 +62,20 @@ def apply(body: FramedBody, slides: bool = False) -> None:
             anisotropicFriction=_scales(
                 body, link, friction.at_most(FLOOR_FRICTION) if body.fixed and link == -1
                 else friction), **client)
-        if mass:
-            # that of a wheel whose contacts are there twice is that of one
-            share = mass / (1 + (wheel + tyres.ACROSS in links))
-            pybullet.changeDynamics(
-                body.body_id, link, contactStiffness=share * _JOINTED_N_M,
-                contactDamping=share * _JOINTED_N_S_M, **client)
+
+
+def mass_on_contacts(body: Body) -> float:
+    """Return the mass in kg for which the contacts of a body have a stiffness of their own, or 0.
+    """
+    return body.mass() if body.joints and not body.fixed else 0.0
+
+
+def set_stiffness(body: Body, link: int, mass: float) -> None:
+    """Let the contacts of a link give way like those that bear a body of a mass, if not 0."""
+    if mass:
+        pybullet.changeDynamics(
+            body.body_id, link, contactStiffness=mass * _JOINTED_N_M,
+            contactDamping=mass * _JOINTED_N_S_M, physicsClientId=body.physics_client_id)
 
 
 def _scales(body: Body, link: int, friction: Friction) -> List[float]:
@@ -137,6 +146,10 @@ class Pairs:
             not (a.fixed and b.fixed) and len(bodies[a] | bodies[b]) > 1
             and abs(a.start * b.start - min(a.friction, b.friction)) > _EPSILON
             for a, b in itertools.combinations_with_replacement(bodies, 2))
+
+    def coefficient(self, body: int, link: int) -> float:
+        """Return what PyBullet has for a link of a body now."""
+        return self._changed.get((body, link), self._surfaces[body, link].start)
 
     def reset(self) -> None:
         """Forget what touched: to be called when everything was moved back to its start."""

@@ -21,6 +21,14 @@ def has_spaces(model: Model) -> bool:
     return len({link.space for link in model.links if link.solids}) > 1
 
 
+def groups_and_mask(bitmask: int) -> Tuple[int, int]:
+    """Return in which groups of PyBullet what has a bitmask is, and which ones it meets."""
+    if bitmask == ALL_BITS:
+        return _RAYS, -1
+    groups = bitmask << _SHIFT
+    return groups, groups and groups | _RAYS
+
+
 class Meeting:
     """What the links of bodies in a physics client meet."""
 
@@ -57,9 +65,8 @@ class Meeting:
             # all solids of a link have one mask in PyBullet
             for solid in link.solids[:1]:
                 if solid.bitmask != ALL_BITS:
-                    groups = solid.bitmask << _SHIFT
                     pybullet.setCollisionFilterGroupMask(
-                        body.body_id, indices[link.name], groups, groups and groups | _RAYS,
+                        body.body_id, indices[link.name], *groups_and_mask(solid.bitmask),
                         **self._client)
 
     def _keep_apart(self, one: FramedBody, other: FramedBody) -> None:

@@ -146,7 +146,7 @@ class World:
             lines += ['{}: {}'.format(body.name, line) for line in forces.warnings]
             if forces:
                 self._forces[body.body_id] = forces
-            directions = Directions(body)
+            directions = Directions(body, self._pairs.coefficient)
             if directions:
                 self._directions[body.body_id] = directions
         return lines

@@ -120,6 +120,28 @@ def test_a_direction_of_friction_turns_with_the_wheels(half_base, tags, rate):
     assert turn_rate(urdf, 0.4) == pytest.approx(rate, rel=0.08, abs=0.01)
 
 
+def test_wheels_with_a_direction_touch_twice_only_while_they_slip():
+    urdf = robot(SKID, rows=(0.1, -0.1))
+    wheels = ('left_0', 'right_0', 'left_1', 'right_1')
+    plain = assembled(urdf).simulator
+    for wheel in wheels:
+        urdf = with_tags(urdf, wheel, '<mu1>1</mu1><mu2>1</mu2><fdir1>0 0 1</fdir1>')
+    simulator = assembled(urdf).simulator
+
+    def touching(simulator):
+        simulator.advance(1000)
+        return len(pybullet.getContactPoints(physicsClientId=simulator.world.physics_client_id))
+
+    assert touching(simulator) == touching(plain)
+    height = simulator.vehicles[0].robot.pose().position[2]
+    assert height == pytest.approx(plain.vehicles[0].robot.pose().position[2], abs=1e-5)
+    for each in (simulator, plain):
+        each.vehicles[0].command(0.0, 1.5)
+    assert touching(simulator) == 2 * touching(plain)
+    simulator.reset_world()
+    assert touching(simulator) == touching(plain)
+
+
 def test_what_touched_is_forgotten_on_a_reset(tmp_path):
     path = tmp_path / 'w.sdf'
     path.write_text(WORLD.format(
