@@ -147,9 +147,9 @@ def _is_master(uri):
 
 def _nodes(uri):
     try:
-        return {node for kind in _call(uri, 'getSystemState') for _, nodes in kind
-                for node in nodes}
-    except timed_xmlrpc.ERRORS:
+        with timed_xmlrpc.Master(uri, _NAME, _CALL_TIMEOUT_S) as called:
+            return called.state().nodes
+    except OSError:
         return set()
 
 

@@ -65,23 +65,22 @@ def check_running() -> Iterator[Finding]:
 
 def _read(uri: str) -> System:
     with Master(uri, _NAME, _TIMEOUT_S) as master:
-        published, subscribed, services = master.call('getSystemState')
-        nodes = {node for part in (published, subscribed, services)
-                 for _, users in part for node in users}
+        state = master.state()
+        nodes = sorted(state.nodes)
         uris = {node: str(master.ask('lookupNode', node) or '') for node in nodes}
         is_sim_time = bool(master.ask('getParam', '/use_sim_time'))
     types: Dict[str, Dict[str, str]] = {}
     dead = {}
     with ThreadPoolExecutor(_THREADS) as pool:
-        answers = pool.map(_topics_of, [uris[node] for node in sorted(nodes)])
-        for node, answer in zip(sorted(nodes), answers):
+        answers = pool.map(_topics_of, [uris[node] for node in nodes])
+        for node, answer in zip(nodes, answers):
             if isinstance(answer, Exception):
                 dead[node] = uris.pop(node), answer
                 continue
             for topic, kind in answer:
                 if kind != '*':
                     types.setdefault(topic, {})[node] = kind
-    return System(dict(published), dict(subscribed), types, dead, uris, is_sim_time)
+    return System(state.published, state.subscribed, types, dead, uris, is_sim_time)
 
 
 def _topics_of(uri: Any) -> Any:

@@ -11,12 +11,13 @@ import rosgraph
 from img_recog.errors import UserError, one_line, shortened
 from img_recog.graph.system import Edge, System
 from img_recog.ros import timed_xmlrpc
+from img_recog.ros.timed_xmlrpc import Master
 
 _CALLER_ID = '/img_recog_graph'
 _THREADS = 8
 _URI_ADVICE = 'set it to the address of the master, like http://localhost:11311'
 _MASTER_ADVICE = 'start roscore or roslaunch first, or set ROS_MASTER_URI'
-_ERRORS = (*timed_xmlrpc.ERRORS, rosgraph.MasterException, ValueError, TypeError, IndexError)
+_ERRORS = (*timed_xmlrpc.ERRORS, ValueError, TypeError, IndexError)
 
 # for an edge, the number of messages on each of its connections
 Counts = Dict[Edge, Dict[int, int]]
@@ -41,7 +42,7 @@ class SystemReader:
         """
         self._now, self._timeout_s = now, timeout_s
         try:
-            self._master = rosgraph.Master(_CALLER_ID)
+            self._master = Master(rosgraph.Master(_CALLER_ID).master_uri, _CALLER_ID, timeout_s)
         except (ValueError, OSError):       # OSError: of another protocol than HTTP
             raise UserError('ROS_MASTER_URI is {!r}, expected http://HOST:PORT'.format(
                 shortened(rosgraph.get_master_uri())), _URI_ADVICE)
@@ -54,18 +55,18 @@ class SystemReader:
         Raises UserError if the master does not answer.
         """
         try:
-            published, subscribed, services = self._master.getSystemState()
-        except _ERRORS as error:
+            state = self._master.state()
+        except OSError as error:
             raise UserError('no master answers at {}: {}'.format(
                 shortened(rosgraph.get_master_uri()), one_line(error)), _MASTER_ADVICE)
         edges = frozenset(Edge(node, topic, is_published)
-                          for topics, is_published in ((published, True), (subscribed, False))
-                          for topic, nodes in topics for node in nodes)
-        nodes = frozenset([edge.node for edge in edges]
-                          + [node for _, providers in services for node in providers])
+                          for topics, is_published in ((state.published, True),
+                                                       (state.subscribed, False))
+                          for topic, nodes in topics.items() for node in nodes)
+        nodes = frozenset(state.nodes)
         for node in nodes.difference(self._uris):
             with contextlib.suppress(*_ERRORS):
-                self._uris[node] = self._master.lookupNode(node)
+                self._uris[node] = self._master.call('lookupNode', node)
         with ThreadPoolExecutor(_THREADS) as pool:
             samples = dict(zip(sorted(nodes), pool.map(self._sample, sorted(nodes))))
         rates_hz = self._rates(samples)

@@ -1,7 +1,7 @@
 """XML-RPC calls with a time limit: a node that is stopped takes connections, never answers."""
 import http.client
 import xmlrpc.client
-from typing import Any, Dict, Mapping
+from typing import Any, Dict, List, Mapping, NamedTuple, Set
 
 # everything that a call raises when there is no usable answer
 ERRORS = (OSError, http.client.HTTPException, xmlrpc.client.Error)
@@ -32,6 +32,19 @@ def server(uri: str, timeout_s: float = 1.0) -> xmlrpc.client.ServerProxy:
     Raises OSError if the address is of another protocol than HTTP.
     """
     return xmlrpc.client.ServerProxy(uri, _Transport(timeout_s), allow_none=True)
+
+
+class State(NamedTuple):
+    """The nodes of each topic that is published or subscribed to, and of each service."""
+
+    published: Dict[str, List[str]]
+    subscribed: Dict[str, List[str]]
+    services: Dict[str, List[str]]
+
+    @property
+    def nodes(self) -> Set[str]:
+        """All of them."""
+        return {node for kind in self for nodes in kind.values() for node in nodes}
 
 
 class Master:
@@ -69,6 +82,13 @@ class Master:
             raise OSError(str(error))
         except Exception:       # an integer of more than 32 bits, for example
             return None
+
+    def state(self) -> State:
+        """Return who uses what. Raises OSError if the master does not say that."""
+        try:
+            return State(*(dict(kind) for kind in self.call('getSystemState')))
+        except (*ERRORS[1:], TypeError, ValueError) as error:
+            raise OSError(str(error))
 
     def shared_parameters(self) -> Dict[str, Any]:
         """Return the parameters of others that nodes read, as far as there are any."""

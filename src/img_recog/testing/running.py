@@ -87,7 +87,7 @@ class Running:
 
     def publishers(self, topic: str) -> List[str]:
         """Return the nodes that publish a topic."""
-        return dict(self._session.master.call('getSystemState')[0]).get(topic, [])
+        return self._session.master.state().published.get(topic, [])
 
     def nodes(self) -> List[str]:
         """Return the names of the nodes that were started, also by others of them, in order."""

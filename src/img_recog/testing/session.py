@@ -68,23 +68,21 @@ class Session:
 
     def nodes(self) -> Dict[str, Optional[str]]:
         """Return the nodes that the master knows, with their addresses."""
-        names = {name for kind in self.master.call('getSystemState') for _, users in kind
-                 for name in users}
-        return {name: self.master.ask('lookupNode', name) for name in names}
+        return {name: self.master.ask('lookupNode', name) for name in self.master.state().nodes}
 
     def forget(self, names: Iterable[str]) -> None:
         """Have the master forget those of the nodes that were killed: they do not answer."""
-        published, subscribed, services = self.master.call('getSystemState')
+        state = self.master.state()
         for name in names:
             uri = self.master.ask('lookupNode', name) or ''
             if _answers(uri):
                 continue
-            for kind, method in ((published, 'unregisterPublisher'),
-                                 (subscribed, 'unregisterSubscriber')):
-                for topic, users in kind:
+            for kind, method in ((state.published, 'unregisterPublisher'),
+                                 (state.subscribed, 'unregisterSubscriber')):
+                for topic, users in kind.items():
                     if name in users:
                         self._of(name).ask(method, topic, uri)
-            for service, users in services:
+            for service, users in state.services.items():
                 if name in users:
                     address = self.master.ask('lookupService', service) or ''
                     self._of(name).ask('unregisterService', service, address)

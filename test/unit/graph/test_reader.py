@@ -120,6 +120,22 @@ def test_no_master(monkeypatch):
         SystemReader().read()
 
 
+@pytest.mark.parametrize('answer', [lambda _: 'hello', lambda _: [0, 'busy', 0],
+                                    lambda _: [1, '', 5]])
+def test_a_master_that_makes_no_sense(serve, monkeypatch, answer):
+    monkeypatch.setenv('ROS_MASTER_URI', serve(getSystemState=answer).uri)
+    with pytest.raises(UserError, match='^no master answers at .*; start roscore'):
+        SystemReader(timeout_s=DEADLINE_S).read()
+
+
+def test_a_master_that_does_not_answer(serve, monkeypatch):
+    hold = threading.Event()
+    monkeypatch.setenv('ROS_MASTER_URI', serve(getSystemState=lambda _: hold.wait(10)).uri)
+    with pytest.raises(UserError, match='^no master answers at .*: timed out; start roscore'):
+        SystemReader(timeout_s=0.05).read()
+    hold.set()
+
+
 @pytest.mark.parametrize('uri', [
     'junk', '', 'localhost:11311', 'ftp://localhost:11311', 'http://localhost:port'])
 def test_a_uri_that_is_no_address(monkeypatch, uri):

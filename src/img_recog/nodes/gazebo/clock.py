@@ -1,10 +1,10 @@
 """Simulated time as others see it: /clock, and how fast it passes."""
-import rosgraph
 import rospy
 from rosgraph_msgs.msg import Clock
 from std_msgs.msg import Float64
 
 from img_recog.conversions import robot_msgs
+from img_recog.ros.master import master
 from img_recog.ros.transport import own_time
 from img_recog.ros.transport.direct_publisher import DirectPublisher
 from img_recog.simulation.pacing import Pace
@@ -20,8 +20,7 @@ class SimulatedClock:
         self._times = DirectPublisher('/clock', Clock, latch=True)
         self._factors = rospy.Publisher('~real_time_factor', Float64, queue_size=1, latch=True)
         name = rospy.get_name()
-        clocks = dict(rosgraph.Master(name).getSystemState()[0]).get('/clock', ())
-        others = sorted(set(clocks) - {name})
+        others = sorted(set(master.calls().state().published.get('/clock', ())) - {name})
         if others:
             rospy.logwarn('/clock has another publisher, %s: two simulations mix up time, tf and '
                           'odometry; stop one of them', ', '.join(others))

@@ -163,7 +163,6 @@ class Driving:
 
 def yield_services(topic: str) -> List[str]:
     """Return the services by which the publishers of a topic can be asked to yield."""
-    published, _, services = master.calls().call('getSystemState')
-    offered = {name for name, _ in services}
-    return sorted(node + _SERVICE for node in dict(published).get(topic, ())
-                  if node + _SERVICE in offered)
+    state = master.calls().state()
+    return sorted(node + _SERVICE for node in state.published.get(topic, ())
+                  if node + _SERVICE in state.services)

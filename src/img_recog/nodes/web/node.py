@@ -46,7 +46,7 @@ from img_recog.nodes.web.tuning import Tuning
 from img_recog.nodes.web.visit import System
 from img_recog.processes import bag_recording
 from img_recog.processes.bag_recording import BagRecording, Recorder
-from img_recog.ros import lifecycle, parameters, timed_xmlrpc
+from img_recog.ros import lifecycle, parameters
 from img_recog.ros.diagnostics import NodeDiagnostics
 from img_recog.ros.log.throttle import ThrottledWarning
 from img_recog.ros.master import master
@@ -160,9 +160,8 @@ def _wait_for_other_nodes() -> None:
     since_s = time.monotonic()
     while time.monotonic() < end_s and not rospy.is_shutdown():
         try:
-            found = {node for topics in master.calls().call('getSystemState')
-                     for _, users in topics for node in users}
-        except timed_xmlrpc.ERRORS:     # it may come back
+            found = master.calls().state().nodes
+        except OSError:     # it may come back
             found = set()
         if found != nodes or not found:
             nodes, since_s = found, time.monotonic()

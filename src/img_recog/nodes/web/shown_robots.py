@@ -1,7 +1,7 @@
 """The robots that the page can show."""
 import re
 import threading
-from typing import Dict, Iterable, List, Set, Tuple
+from typing import Dict, List, Mapping, Set, Tuple
 
 import rosgraph
 import rospy
@@ -18,7 +18,7 @@ from img_recog.teleoperation.settings import VelocityLimits
 _COMMANDS, _ODOMETRY = 'cmd_vel', 'odom'
 _PARTS = re.compile('([0-9]+)')
 
-TopicUsers = Iterable[Tuple[str, List[str]]]
+TopicUsers = Mapping[str, List[str]]
 
 
 class ShownRobots:
@@ -40,15 +40,15 @@ class ShownRobots:
     def update(self) -> None:
         """Look for the robots. Waits for the master: not for the event loop."""
         try:
-            published, subscribed, _ = master.calls().call('getSystemState')
+            state = master.calls().state()
             if self._made:
                 types = dict(master.calls().call('getTopicTypes'))
-                self._types = {name: types[name] for name, _ in published if name in types}
+                self._types = {name: types[name] for name in state.published if name in types}
                 self.seen |= set(self._types)
         except timed_xmlrpc.ERRORS as error:
             self._warn('the robots: no master answers: %s', one_line(error))
             return
-        self.names = names_in(published, subscribed, rospy.get_namespace(),
+        self.names = names_in(state.published, state.subscribed, rospy.get_namespace(),
                               rospy.get_name()) or self.names       # a new master knows none yet
         others = self.names if len(self.names) > 1 else []
         for robot in list(self._made.values()):
@@ -80,7 +80,7 @@ def names_in(published: TopicUsers, subscribed: TopicUsers, namespace: str,
     does not count.
     """
     def using(topic: str, users: TopicUsers) -> Set[str]:
-        return {name[len(namespace):-len(topic)].rstrip('/') for name, nodes in users
+        return {name[len(namespace):-len(topic)].rstrip('/') for name, nodes in users.items()
                 if name.startswith(namespace) and name.endswith('/' + topic)
                 and set(nodes) != {node}}
     driven = using(_COMMANDS, subscribed)

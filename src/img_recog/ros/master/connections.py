@@ -34,10 +34,8 @@ class Connections:
         subscribe to, too.
         Raises OSError when the master does not answer.
         """
-        state = self._master.ask('getSystemState') or ((), (), ())
-        published, subscribed, _ = state
-        publishers = dict(published)
-        known = {node for kind in state for _, users in kind for node in users}
+        state = self._master.state()
+        publishers, known = state.published, state.nodes
         made: Dict[str, Optional[Set[Tuple[str, str]]]] = {}
         uris: Dict[str, str] = {}
 
@@ -55,7 +53,7 @@ class Connections:
         wanted = [(self._node, topic) for topic in topics]
 
         def follow(new: Set[str]) -> None:
-            wanted.extend((node, topic) for topic, subscribers in subscribed
+            wanted.extend((node, topic) for topic, subscribers in state.subscribed.items()
                           for node in subscribers if node in new - nodes)
             nodes.update(new)
         follow(set(others))
@@ -89,10 +87,8 @@ class Connections:
 
     def own(self) -> Set[str]:
         """Return the topics that this node publishes. Raises OSError as `missing` does."""
-        return {topic for topic, nodes in self._published() if self._node in nodes}
-
-    def _published(self) -> Sequence[Tuple[str, List[str]]]:
-        return (self._master.ask('getSystemState') or [()])[0]
+        return {topic for topic, nodes in self._master.state().published.items()
+                if self._node in nodes}
 
     def shared(self) -> List[Tuple[str, List[str]]]:
         """Return the topics that this node and others publish, apart from those made for it.
@@ -100,7 +96,7 @@ class Connections:
         Raises OSError when the master does not answer.
         """
         return [(topic, [each for each in nodes if each != self._node])
-                for topic, nodes in self._published()
+                for topic, nodes in self._master.state().published.items()
                 if self._node in nodes and len(nodes) > 1 and topic not in _SHARED]
 
     def _made_by(self, uri: str) -> Optional[Set[Tuple[str, str]]]:

@@ -7,18 +7,19 @@ from img_recog.nodes.web import shown_robots
 from img_recog.nodes.web.measurements import SystemTopics
 from img_recog.nodes.web.pictures import PictureTopics
 from img_recog.nodes.web.shown_robots import ShownRobots, names_in
+from img_recog.ros.timed_xmlrpc import State
 from img_recog.teleoperation.settings import VelocityLimits
 
 WEB = '/web'
 
 
 def users(*rows):
-    """Return a list of topics with their nodes, as the master does, of rows TOPIC NODE."""
+    """Return topics with their nodes, of rows TOPIC NODE."""
     found = {}
     for row in rows:
         topic, node = row.split()
         found.setdefault(topic, []).append(node)
-    return list(found.items())
+    return found
 
 
 @pytest.mark.parametrize('published, subscribed, names', [
@@ -53,7 +54,7 @@ def test_the_robots_stay_while_a_new_master_knows_none(monkeypatch):
     for subscribed, names in ((['/a/cmd_vel /x', '/b/cmd_vel /x'], ['a', 'b']), ([], ['a', 'b']),
                               (['/b/cmd_vel /x'], ['b'])):
         monkeypatch.setattr(shown_robots.master, 'calls', lambda: SimpleNamespace(
-            call=lambda method: ([], users(*subscribed), [])))
+            state=lambda: State({}, users(*subscribed), {})))
         found.update()
         assert found.names == names
 
