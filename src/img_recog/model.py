@@ -23,6 +23,7 @@ FIXED, CONTINUOUS, PRISMATIC, REVOLUTE = 'fixed', 'continuous', 'prismatic', 're
 BOX, CYLINDER, SPHERE, PLANE, MESH = 'box', 'cylinder', 'sphere', 'plane', 'mesh'
 CAPSULE, HEIGHTMAP = 'capsule', 'heightmap'
 ALL_BITS = 0xffff       # of a solid that meets all others
+PART = '::part_'        # between the name of a link and the rest of that of one with its solids
 DIRECTIONAL, POINT, SPOT = 'directional', 'point', 'spot'       # lights
 LINEAR, EXP, EXP2 = 'linear', 'exp', 'exp2'                     # fog
 FLOOR_FRICTION = 1.0        # of what has no coefficient: Gazebo's default

@@ -2,16 +2,17 @@
 
 Every fixed joint costs PyBullet time in each step. Therefore fixed links are lumped into the link
 that they are fixed to, like Gazebo's SDFormat does: shapes are moved, masses and inertias added
-up, and `frames` keeps where each link went. PyBullet has one friction per link:
-shapes with another one than the link that they are lumped into go to a link without mass, which is
-fixed to that.
+up, and `frames` keeps where each link went. PyBullet has one friction and one bitmask per link:
+shapes with others than the link that they are lumped into go to a link without mass, which is
+fixed to that. So do those of an SDF.
 """
 import dataclasses
-from typing import Dict, Iterator, List, NamedTuple, Set, Tuple
+import itertools
+from typing import Dict, List, Mapping, NamedTuple, Set, Tuple
 
 from img_recog.errors import SimulationError
 from img_recog.formats import inertias
-from img_recog.model import (CONTINUOUS, FIXED, NO_INERTIA, PRISMATIC, REVOLUTE,
+from img_recog.model import (CONTINUOUS, FIXED, NO_INERTIA, PART, PRISMATIC, REVOLUTE,
                              Frame, Friction, Inertia, Joint, Light, Link, Look, Model, Solid)
 from img_recog.rotations import IDENTITY
 
@@ -38,7 +39,7 @@ def lumped(model: Model) -> Model:
     sums = _inertias(tree, frames)
     left_out, warnings = _leave_out(tree, frames, sums)
     warnings += model.warnings
-    lump = _Lump(model, tree, frames)
+    lump = _Lump(model, tree.links, frames)
     changed: List[str] = []
     for name, total in sums.items():
         possible = inertias.possible('link {} and what is fixed to it'.format(name), total.mass,
@@ -56,6 +57,18 @@ def lumped(model: Model) -> Model:
         joints=moving + lump.added_joints(), frames=frames,
         surfaces={name: tuple(found) for name, found in lump.watched.items()},
         warnings=tuple(warnings), left_out=tuple(left_out), changed_inertias=tuple(changed))
+
+
+def divided(model: Model) -> Model:
+    """Return a model whose links stay as they are, but for shapes with another friction or bitmask
+    than the first one of their link: those go to a link without mass, too."""
+    lump = _Lump(model, {link.name: link for link in model.links},
+                 {link.name: Frame(link.name) for link in model.links})
+    return dataclasses.replace(
+        model, links=(*(link._replace(solids=tuple(lump.solids.get(link.name, ())))
+                        for link in model.links), *lump.added_links()),
+        joints=(*model.joints, *lump.added_joints()),
+        surfaces={name: tuple(found) for name, found in lump.watched.items()})
 
 
 def _tree(model: Model) -> _Tree:
@@ -144,39 +157,41 @@ def _leave_out(tree: _Tree, frames: Dict[str, Frame],
 class _Lump:
     """The shapes of all links, moved to the lumped links or to links that are added to those.
 
-    watched: of each link with a contact sensor, the names of the links with its shapes.
+    watched: of each link with a contact sensor, the names of the links with its shapes; solids:
+    of each of these links.
     """
 
-    def __init__(self, model: Model, tree: _Tree, frames: Dict[str, Frame]):
+    def __init__(self, model: Model, links: Mapping[str, Link], frames: Mapping[str, Frame]):
         self.watched: Dict[str, List[str]] = {name: [] for name in model.surfaces}
         self._looks: Dict[str, List[Look]] = {frame.link: [] for frame in frames.values()}
         self._lights: Dict[str, List[Light]] = {frame.link: [] for frame in frames.values()}
-        self._solids: Dict[str, List[Solid]] = {}
+        self.solids: Dict[str, List[Solid]] = {}
         self._carriers: Dict[str, str] = {}         # of the links that are added
         self._parts: Dict[str, List[Link]] = {}     # of the lumped links
         surfaces: Dict[Tuple[str, Friction, int, str], str] = {}
         for name, (carrier, pose) in frames.items():
-            self._parts.setdefault(carrier, []).append(tree.links[name])
+            self._parts.setdefault(carrier, []).append(links[name])
             self._looks[carrier] += [look._replace(pose=pose @ look.pose)
-                                     for look in tree.links[name].looks]
+                                     for look in links[name].looks]
             self._lights[carrier] += [light._replace(pose=pose @ light.pose)
-                                      for light in tree.links[name].lights]
-            for solid in tree.links[name].solids:
+                                      for light in links[name].lights]
+            for solid in links[name].solids:
                 solid = solid.moved(pose)
                 key = (carrier, solid.surface, solid.bitmask,
                        name if name in self.watched else '')
                 if key not in surfaces:
                     surfaces[key] = self._surface(name, carrier, solid)
-                self._solids[surfaces[key]].append(solid)
+                self.solids[surfaces[key]].append(solid)
 
     def _surface(self, name: str, carrier: str, solid: Solid) -> str:
         """Return the name of the link for a shape of a link that goes to a lumped link."""
         surface = carrier
-        if carrier in self._solids:
-            surface = '/'.join((name, *_words(solid.surface))) if (
-                name in self._solids or name == carrier) else name
+        if carrier in self.solids:
+            taken = name in self.solids or name == carrier
+            surface = next('{}{}{}'.format(name, PART, number) for number in itertools.count(1)
+                           if name + PART + str(number) not in self.solids) if taken else name
             self._carriers[surface] = carrier
-        self._solids[surface] = []
+        self.solids[surface] = []
         if name in self.watched:
             self.watched[name].append(surface)
         return surface
@@ -188,22 +203,15 @@ class _Lump:
                 has_gravity=link.has_gravity if part.has_gravity is None else part.has_gravity,
                 decay=part.decay if any(part.decay) else link.decay,
                 space=part.space or link.space)
-        return link._replace(inertia=inertia, solids=tuple(self._solids.get(link.name, ())),
+        return link._replace(inertia=inertia, solids=tuple(self.solids.get(link.name, ())),
                              looks=tuple(self._looks[link.name]),
                              lights=tuple(self._lights[link.name]))
 
     def added_links(self) -> Tuple[Link, ...]:
         """Return the links without mass."""
-        return tuple(Link(name, solids=tuple(self._solids[name])) for name in self._carriers)
+        return tuple(Link(name, solids=tuple(self.solids[name])) for name in self._carriers)
 
     def added_joints(self) -> Tuple[Joint, ...]:
         """Return the joints that fix them."""
         return tuple(Joint(name + '/joint', FIXED, carrier, name)
                      for name, carrier in self._carriers.items())
-
-
-def _words(friction: Friction) -> Iterator[str]:
-    """Yield the numbers of a friction, those across its direction only where they differ."""
-    yield '{:g}'.format(friction.mu)
-    if friction.across != friction.mu or friction.direction:
-        yield from map('{:g}'.format, (friction.across, *friction.direction))

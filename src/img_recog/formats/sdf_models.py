@@ -6,7 +6,7 @@ from typing import Dict, List, Optional, Tuple
 import numpy as np
 
 from img_recog.files import FindFile
-from img_recog.formats import frictions, lights, sdf_gears, sdf_links, sdf_states
+from img_recog.formats import frictions, lights, lumping, sdf_gears, sdf_links, sdf_states
 from img_recog.formats.elements import NOT_SIMULATED
 from img_recog.formats.problems import Problems
 from img_recog.formats.sdf_frames import WORLD, pose_of
@@ -133,7 +133,7 @@ class _Builder:
                       warnings=tuple(self._warnings),
                       held=tuple(joint.name for joint in used if joint.kind == FIXED),
                       gears=(*self._gears, *gears))
-        tree = Tree('{}::{}'.format(name, root.name), model, model_pose @ base,
+        tree = Tree('{}::{}'.format(name, root.name), lumping.divided(model), model_pose @ base,
                     is_fixed or base is not root.pose, base)
         return [tree, *(_placed(*each, name, model_pose) for each in self._grounds)]
 

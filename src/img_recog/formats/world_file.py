@@ -7,7 +7,7 @@ from typing import Callable, Dict, NamedTuple, Optional, Tuple, Union
 
 from img_recog.errors import SimulationError
 from img_recog.files import FindFile, find_in, find_user_path
-from img_recog.formats import sdf_file, sdf_versions, urdf
+from img_recog.formats import lumping, sdf_file, sdf_versions, urdf
 from img_recog.formats.audit import Finding
 from img_recog.formats.markup import MarkupError, check_expanded, parse_xml, read_bytes
 from img_recog.formats.problems import Problems
@@ -96,7 +96,7 @@ def fixed_tree(model: Model, name: str, problems: Problems) -> Tree:
             len(model.roots), ', '.join(model.roots)), 'connect them with fixed joints')
     links = tuple(link._replace(solids=tuple(solid._replace(is_concave=True)
                                              for solid in link.solids)) for link in model.links)
-    return Tree(name, dataclasses.replace(model, links=links), fixed=True)
+    return Tree(name, lumping.divided(dataclasses.replace(model, links=links)), fixed=True)
 
 
 def _read_sdf(root: ElementTree.Element, path: str, find: FindFile,

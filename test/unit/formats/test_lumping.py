@@ -201,8 +201,8 @@ SLIPPERY = SHAPE.replace(
 
 
 @pytest.mark.parametrize('tag, friction', [
-    ('', {'a': 1.0, 'a/0': 0.0, 'a/0.2': 0.2}),
-    ('<gazebo reference="a"><mu1>0.7</mu1></gazebo>', {'a': 0.7, 'b': 0.2, 'b/0': 0.0})])
+    ('', {'a': 1.0, 'a::part_1': 0.0, 'a::part_2': 0.2}),
+    ('<gazebo reference="a"><mu1>0.7</mu1></gazebo>', {'a': 0.7, 'b': 0.2, 'b::part_1': 0.0})])
 def test_shapes_of_a_link_keep_the_friction_of_their_surface(tag, friction):
     slow = SLIPPERY.replace('<mu>0<', '<mu>0.2<')
     found = lumped(ROBOT.format(link('a', inside=SHAPE + 2 * SLIPPERY + slow) + link(
@@ -294,14 +294,14 @@ def test_links_come_after_the_one_that_they_are_joined_to():
     assert list(found.frames) == ['a', 'b', 'd', 'c'] and found.root == 'a'
 
 
-def test_a_surface_is_named_by_its_link_and_friction():
+def test_a_second_surface_of_a_link_is_named_as_a_part_of_it():
     found = lumped(ROBOT.format(
         link('a', inside=surface(0.25)) + link('b', inside=SHAPE + SLIPPERY)
         + joint('ab', 'a', 'b', origin='<origin xyz="1 2 3"/>')))
     assert [(each.name, each.surface.mu) for each in found.links] == [
-        ('a', 0.25), ('b', 1.0), ('b/0', 0.0)]
+        ('a', 0.25), ('b', 1.0), ('b::part_1', 0.0)]
     assert [(each.name, each.parent, each.child) for each in found.joints] == [
-        ('b/joint', 'a', 'b'), ('b/0/joint', 'a', 'b/0')]
+        ('b/joint', 'a', 'b'), ('b::part_1/joint', 'a', 'b::part_1')]
     assert [solid.pose.translation.tolist() for each in found.links for solid in each.solids] == [
         [0, 0, 0.5], [1, 2, 3.5], [1, 2, 3.5]]
 

@@ -1,6 +1,6 @@
 """PyBullet's physics clients, and what is in them."""
 import contextlib
-from typing import Dict, Iterator, Tuple
+from typing import Dict, Iterator, Set, Tuple
 
 import pybullet
 
@@ -44,3 +44,14 @@ def link_indices(body_id: int, physics_client_id: int) -> Dict[str, int]:
     for index in range(pybullet.getNumJoints(body_id, **client)):
         indices[pybullet.getJointInfo(body_id, index, **client)[12].decode()] = index
     return indices
+
+
+def links_of_base(body_id: int, physics_client_id: int) -> Set[int]:
+    """Return PyBullet's indices of the links that fixed joints hold at the base of a body, and -1.
+    """
+    client, found = {'physicsClientId': physics_client_id}, {-1}
+    for index in range(pybullet.getNumJoints(body_id, **client)):
+        info = pybullet.getJointInfo(body_id, index, **client)
+        if info[2] == pybullet.JOINT_FIXED and info[16] in found:
+            found.add(index)
+    return found

@@ -11,7 +11,7 @@ from img_recog.model import CONTINUOUS, Frame, Limits, Model
 from img_recog.rotations import Quaternion, Transform
 from img_recog.simulation.physics.body import Body, FrameState, Motion, Vector, motion_of_frame
 from img_recog.simulation.physics.client import link_indices
-from img_recog.simulation.physics.tyres import ACROSS
+from img_recog.simulation.physics.tyres import ACROSS, owner
 
 
 class FramedBody(Body):
@@ -83,7 +83,8 @@ class FramedBody(Body):
 
         link: one with a contact sensor.
         """
-        return {self._link_indices[part]: name for name in self._surfaces.get(link, ())
+        return {self._link_indices[part]: owner(name)
+                for name in self._surfaces.get(link, ())
                 for part in (name, name + ACROSS) if part in self._link_indices}
 
     def has_frame(self, frame: str) -> bool:

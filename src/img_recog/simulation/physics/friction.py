@@ -23,7 +23,7 @@ from img_recog import rotations
 from img_recog.model import FLOOR_FRICTION, Friction
 from img_recog.simulation.physics import tyres
 from img_recog.simulation.physics.body import Body
-from img_recog.simulation.physics.client import body_ids, link_indices
+from img_recog.simulation.physics.client import body_ids, link_indices, links_of_base
 from img_recog.simulation.physics.framed_body import FramedBody
 
 # of a contact: so much damping that nothing vibrates, and what fell is out of the floor in 0.3 s
@@ -52,15 +52,15 @@ def apply(body: FramedBody, slides: bool = False) -> None:
     client = {'physicsClientId': body.physics_client_id}
     given = {link.name: link.surface for link in body.model.links}
     mass = mass_on_contacts(body)
-    links = link_indices(body.body_id, body.physics_client_id)
-    for name, link in links.items():
+    never_move = links_of_base(body.body_id, body.physics_client_id) if body.fixed else ()
+    for name, link in link_indices(body.body_id, body.physics_client_id).items():
         set_stiffness(body, link, mass)
         wheel = name.replace(tyres.ACROSS, '')
         friction = Friction(0.0) if slides else given.get(wheel, Friction())
         pybullet.changeDynamics(
             body.body_id, link, lateralFriction=friction.largest,
             anisotropicFriction=_scales(
-                body, link, friction.at_most(FLOOR_FRICTION) if body.fixed and link == -1
+                body, link, friction.at_most(FLOOR_FRICTION) if link in never_move
                 else friction), **client)
 
 
@@ -123,11 +123,12 @@ class Pairs:
         before, self._surfaces = self._surfaces, {}
         for body in body_ids(self._client['physicsClientId']):
             fixed = pybullet.getDynamicsInfo(body, -1, **self._client)[0] == 0
+            of_base = links_of_base(body, self._client['physicsClientId'])
             for link in range(-1, pybullet.getNumJoints(body, **self._client)):
                 found = before.get((body, link))
                 if found is None:
                     friction = pybullet.getDynamicsInfo(body, link, **self._client)[1]
-                    never_moves = fixed and link == -1
+                    never_moves = fixed and link in of_base
                     found = _Surface(friction, never_moves, min(friction, FLOOR_FRICTION)
                                      if never_moves else friction)
                     if found.start != friction:

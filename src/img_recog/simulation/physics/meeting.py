@@ -6,12 +6,13 @@ import pybullet
 
 from img_recog.model import ALL_BITS, Model
 from img_recog.simulation.physics.body import Body
-from img_recog.simulation.physics.client import link_indices
+from img_recog.simulation.physics.client import link_indices, links_of_base
 from img_recog.simulation.physics.framed_body import FramedBody
 
 # Two links meet in PyBullet if a group of one is in the mask of the other. Of those without a
-# bitmask, all are, and so is the one that rays are in; those of a file are beyond its own.
-_RAYS, _SHIFT = 1, 8
+# bitmask, all are, and so is the one that rays are in; those of a file are beyond its own. Links
+# of what never moves are in one that does not meet itself, as PyBullet has it for a base.
+_RAYS, _STATIC, _SHIFT = 1, 2, 8
 
 _Pair = Tuple[int, int, int, int]        # two bodies, and a link of each
 
@@ -61,10 +62,14 @@ class Meeting:
 
     def _set_masks(self, body: FramedBody) -> None:
         indices = link_indices(body.body_id, body.physics_client_id)
+        static = links_of_base(body.body_id, body.physics_client_id) if body.fixed else ()
         for link in body.model.links:
             # all solids of a link have one mask in PyBullet
             for solid in link.solids[:1]:
-                if solid.bitmask != ALL_BITS:
+                if solid.bitmask == ALL_BITS and indices[link.name] in static:
+                    pybullet.setCollisionFilterGroupMask(
+                        body.body_id, indices[link.name], _STATIC, ~_STATIC, **self._client)
+                elif solid.bitmask != ALL_BITS:
                     pybullet.setCollisionFilterGroupMask(
                         body.body_id, indices[link.name], *groups_and_mask(solid.bitmask),
                         **self._client)

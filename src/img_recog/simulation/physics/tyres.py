@@ -12,8 +12,8 @@ from typing import Collection, Iterator
 
 import numpy as np
 
-from img_recog.model import (CONTINUOUS, CYLINDER, FIXED, REVOLUTE, SPHERE, Joint, Link, Model,
-                             Shape, Solid)
+from img_recog.model import (CONTINUOUS, CYLINDER, FIXED, PART, REVOLUTE, SPHERE, Joint, Link,
+                             Model, Shape, Solid)
 from img_recog.rotations import IDENTITY, Transform
 from img_recog.simulation.physics.wheels import axis_of, mesh_outline
 
@@ -44,6 +44,11 @@ def added(model: Model, driven: Collection[str] = ()) -> Model:
                 links[second] = Link(second, solids=links[joint.child].solids, space=wheel.space)
                 joints.append(Joint(second, FIXED, joint.child, second))
     return dataclasses.replace(model, links=tuple(links.values()), joints=tuple(joints))
+
+
+def owner(link: str) -> str:
+    """Return the name of the link of the file of whose solids a link of PyBullet has some."""
+    return link.replace(ACROSS, '').partition(PART)[0]
 
 
 def _is_round(solid: Solid, axis: np.ndarray) -> bool:

@@ -7,6 +7,7 @@ import pybullet
 
 from img_recog.formats.gazebo_tags import NAME, RATE, TOPIC, Row, Tags
 from img_recog.settings import Settings, above, any_value, not_empty, setting
+from img_recog.simulation.physics.tyres import owner
 from img_recog.simulation.sensors.sensor import Mount, Sensor
 
 # of libgazebo_ros_bumper of gazebo_plugins, with its default topic
@@ -87,4 +88,4 @@ def force_of(point: tuple) -> np.ndarray:
 def _name_of(body: int, link: int, client: int) -> str:
     root, model = pybullet.getBodyInfo(body, physicsClientId=client)
     name = root if link == -1 else pybullet.getJointInfo(body, link, physicsClientId=client)[12]
-    return '{}::{}'.format(model.decode(), name.decode())
+    return '{}::{}'.format(model.decode(), owner(name.decode()))

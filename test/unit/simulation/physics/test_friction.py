@@ -65,6 +65,48 @@ def test_how_far_a_box_slides(friction, speed, place, tmp_path):
     assert moved(tmp_path, box(friction), 2.0, speed) == pytest.approx(place, rel=0.02, abs=0.006)
 
 
+def parts(name, static, pose, *collisions):
+    """Return a model of 1 kg with boxes: each the place of its middle, its size and friction."""
+    whole = box('{}', pose, name, static=static)
+    start, end = whole.index('<collision'), whole.index('</link>')
+    return whole[:start] + ''.join(
+        '<collision name="{}"><pose>{} 0 0 0</pose><geometry><box><size>{}</size></box></geometry>'
+        '<surface>{}</surface></collision>'.format(number, place, size, surface)
+        for number, (place, size, surface) in enumerate(collisions)) + whole[end:]
+
+
+def ode(*args):
+    return '<friction><ode>{}</ode></friction>'.format(mu(*args))
+
+
+LANES = parts('floor', '1', '0 0 0.05 0 0 0', ('0 1 0', '8 1.8 0.1', ode(0.1)),
+              ('0 -1 0', '8 1.8 0.1', ode(0.6)))
+CUBES = [('0 0 0', '0.3 0.3 0.1', ode(0.1)), ('0 0 0.1', '0.3 0.3 0.1', ode(0.6))]
+
+
+@pytest.mark.parametrize('models, place', [
+    (box(mu(1), '0 1 0.15 0 0 0') + LANES, (2.039, 1)),
+    (box(mu(1), '0 -1 0.15 0 0 0') + LANES, (0.3391, -1)),
+    (parts('b', '0', '0 0 0.05 0 0 0', *CUBES), (2.039, 0)),
+    (parts('b', '0', '0 0 0.15 3.14159265 0 0', *CUBES), (0.3391, 0)),
+    (parts('b', '0', '0 0 0.15 0 0 0', ('0 0 0', '0.3 0.3 0.1', ode(1)),
+           ('0 0 -0.1', '0.3 0.3 0.1', ode(0.1, 0.6, '<fdir1>1 0 0</fdir1>'))), (2.039, 0))])
+def test_each_collision_of_a_link_has_its_friction(models, place, tmp_path):
+    assert moved(tmp_path, models, 2.0, '2,0,0') == pytest.approx(place, rel=0.02, abs=0.006)
+
+
+def test_each_collision_of_a_link_has_its_bitmask(tmp_path):
+    bits = '<contact><collide_bitmask>{}</collide_bitmask></contact>'
+    models = parts('b', '0', '0 0 0.45 0 0 0', ('0 0 0', '0.3 0.3 0.1', bits.format('0x2')),
+                   ('0 0 -0.1', '0.3 0.3 0.1', bits.format('0x4')))
+    shelf = parts('shelf', '1', '0 0 0.1 0 0 0', ('0 0 0', '1 1 0.1', bits.format('0x2')))
+    path = tmp_path / 'w.sdf'
+    path.write_text(WORLD.format(models + shelf))
+    lines = list(Run(Options(str(path), until_s=2.0, every_s=1.0)).lines())
+    height = [line for line in lines if 'links' in line][-1]['links']['b::l'][2]
+    assert height == pytest.approx(0.2, abs=0.002)
+
+
 def with_tags(urdf, reference, tags):
     return urdf.replace('</robot>', '<gazebo reference="{}">{}</gazebo></robot>'.format(
         reference, tags))

@@ -12,8 +12,10 @@ from img_recog.simulation.settings import PhysicsSettings
 from img_recog_testing import robots
 
 WALL = ('<sdf version="1.6"><model name="wall"><static>true</static><pose>1 0 0.5 0 0 0</pose>'
-        '<link name="l"><collision name="c"><geometry><box><size>0.2 4 1</size></box></geometry>'
-        '</collision></link></model></sdf>')
+        '<link name="l"><collision name="above"><pose>0 0 2 0 0 0</pose><geometry><sphere>'
+        '<radius>0.1</radius></sphere></geometry><surface><friction><ode><mu>0.5</mu></ode>'
+        '</friction></surface></collision><collision name="c"><geometry><box><size>0.2 4 1</size>'
+        '</box></geometry></collision></link></model></sdf>')
 # a bar from x 0.1 to 0.12 of the root, behind it a box that is fixed to the same link
 BAR = ('<link name="{0}"><collision><origin xyz="{1} 0 0.06"/><geometry>'
        '<box size="0.02 0.1 0.02"/></geometry></collision></link>'
