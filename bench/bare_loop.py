@@ -6,10 +6,10 @@ import os
 import sys
 import time
 
-from img_recog.formats import lumping, urdf, world_file
+from img_recog import assemble
+from img_recog.formats import world_file
 from img_recog.simulation.physics.client import connect
 from img_recog.simulation.physics.world import World
-from img_recog.simulation.robot_spec import RobotSpec
 from img_recog.simulation.settings import PhysicsSettings
 from img_recog.simulation.vehicle import Vehicle
 
@@ -31,9 +31,7 @@ def main() -> int:
     worlds = {'turtlebot3_world': os.path.join(FOLDER, 'turtlebot3_world.urdf')}
     client, physics = connect(), PhysicsSettings()
     world = World(physics, world_file.read('turtlebot3_world', worlds), client)
-    with open(os.path.join(FOLDER, 'turtlebot3_burger.urdf')) as file:
-        robot = lumping.lumped(urdf.read(urdf.root_of(file.read()), lambda uri: None))
-    vehicle = Vehicle(RobotSpec('burger', robot), world)
+    vehicle = Vehicle(assemble.robot(os.path.join(FOLDER, 'turtlebot3_burger.urdf')), world)
     # the speeds of sample.py, without a ramp: 0.1 m/s and 0.5 rad/s
     vehicle.robot.set_wheel_velocities(((0.1 - 0.04) / 0.033, (0.1 + 0.04) / 0.033))
     world.step(BATCH)

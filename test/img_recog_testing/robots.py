@@ -1,4 +1,5 @@
 """The robot and worlds that the simulation's tests share."""
+import dataclasses
 import functools
 import os
 
@@ -14,10 +15,20 @@ FOLDER = os.path.join(os.path.dirname(os.path.abspath(__file__)), '..', '..', 'u
 WORLDS = {'turtlebot3_world': os.path.join(FOLDER, 'turtlebot3_world.urdf')}
 
 
-def burger():
+def whole_burger():
     """Return the URDF of the burger."""
     with open(os.path.join(FOLDER, 'turtlebot3_burger.urdf')) as file:
         return file.read()
+
+
+def burger(tags=''):
+    """Return the URDF of the burger with other tags than those of its drive and its sensors."""
+    return whole_burger().split('  <!-- Drive and sensors')[0] + tags + '</robot>'
+
+
+def burgers_drive(**changed):
+    """Return the settings of the burger's drive, some of them changed."""
+    return dataclasses.replace(read(whole_burger()).settings.drive, **changed)
 
 
 def assemble(world_name='empty', x=0.0, y=0.0, yaw=0.0, z=0.0, urdf=None, find_mesh=None,
@@ -43,8 +54,11 @@ def read(urdf, source='robot.urdf', find_mesh=None):
 
 
 def settings_of(x=0.0, y=0.0, yaw=0.0, z=0.0, **settings):
-    """Return the settings of a robot; **settings: those of the drive, the noise and sensors."""
+    """Return the settings of a robot; **settings: those of the drive, by default that of
+    the burger, the noise and sensors.
+    """
     groups = {name: settings.pop(name) for name in GROUPS if name in settings}
+    groups.setdefault('drive', burgers_drive())
     groups.setdefault('spawn', SpawnSettings(x_pos=x, y_pos=y, z_pos=z, yaw=yaw))
     return RobotSettings(sensors=settings, **groups)
 

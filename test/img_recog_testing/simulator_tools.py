@@ -31,6 +31,15 @@ def burger(addition=''):
         return file.read().replace('</robot>', addition + '</robot>')
 
 
+def with_tags(**tags):
+    """Return the URDF of the burger with other texts in tags of its drive, by name."""
+    text = burger()
+    for tag in tags.items():
+        text, count = re.subn('<{0}>.*?</{0}>'.format(tag[0]), '<{0}>{1}</{0}>'.format(*tag), text)
+        assert count == 1, tag
+    return text
+
+
 class Echo:
     """Reads a topic in a thread: `rostopic echo` takes a second to start.
 

@@ -66,7 +66,7 @@ SIMULATOR_CASES = {
     'no description': (None, '', 'robot_description: got none', 'textfile'),
     'no XML': (lambda: '<robot', '', 'cannot use the robot in robot_description: not XML', 'urdf'),
     'no URDF': (lambda: '<sdf/>', '', 'root element <sdf>', '<robot>'),
-    'no wheel': (lambda: burger().replace('wheel_left_joint', 'left'), '',
+    'no wheel': (lambda: burger().replace('joint name="wheel_left', 'joint name="left'), '',
                  'no movable joint wheel_left_joint', 'wheel_right_joint'),
     'lost link': (lambda: without('link', 'base_scan'), '', 'base_scan', 'does not exist'),
     'no mass': (lambda: burger().replace('value="0.82573504"', 'value="-1"'), '',

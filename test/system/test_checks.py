@@ -6,7 +6,7 @@ import cv2
 import pytest
 
 from img_recog_testing.pages import ROOT
-from img_recog_testing.robots import burger
+from img_recog_testing.robots import burger, whole_burger
 from img_recog_testing.sdf import BOX, BUILT_IN, sdf
 
 WALL = ('<model name="wall"><static>1</static><link name="l">'
@@ -28,6 +28,9 @@ EYES = ('<model name="eyes"><static>1</static><link name="l">{}</link></model>'.
         ('cam', 'camera', '<camera><image><width>32</width><height>24</height></image><noise>'
                           '<stddev>0.1</stddev></noise></camera>')
     ))))
+WHEELS = ('<gazebo><plugin name="d" filename="libgazebo_ros_diff_drive.so"><leftJoint>'
+          'wheel_left_joint</leftJoint><rightJoint>wheel_right_joint</rightJoint></plugin>'
+          '</gazebo>')
 CHAIR = '<include><uri>model://chair</uri></include>'
 
 
@@ -43,7 +46,7 @@ def run(ros, tmp_path):
 
 
 def test_a_robot_that_can_be_used(run, tmp_path):
-    (tmp_path / 'my.urdf').write_text(burger().replace('imu_link', 'a_link'))
+    (tmp_path / 'my.urdf').write_text(burger(WHEELS).replace('imu_link', 'a_link'))
     code, lines = run('check_robot.py', 'my.urdf')
     assert code == 0 and lines[0] == 'robot turtlebot3_burger in my.urdf', lines
     words = [line.split() for line in lines]
@@ -99,7 +102,7 @@ def test_our_own_robot_and_world_can_be_used(run, program, file):
 
 def test_a_world_as_figures(run, tmp_path):
     (tmp_path / 'fall.sdf').write_text(sdf(BUILT_IN, BALL))
-    (tmp_path / 'my.urdf').write_text(burger())
+    (tmp_path / 'my.urdf').write_text(whole_burger())
     command = ('simulate.py', 'fall.sdf', '--urdf', 'my.urdf', '--twist', '0.2,0', '--until', '1',
                '--every', '0.5', '--velocity', 'ball=0.5,0,0')
     code, lines = run(*command)
@@ -185,10 +188,13 @@ def test_a_world_that_asks_for_more(run, tmp_path, model, code, line):
             ] == lines[-1:] * bool(line), lines
 
 
-def test_a_robot_that_does_not_drive(run, tmp_path):
-    (tmp_path / 'my.urdf').write_text(burger().replace(
-        '<axis xyz="0 0 1"/>', '<axis xyz="0 1 0"/>'))
+@pytest.mark.parametrize('tags, axis, words', [
+    (WHEELS, '0 1 0', ' as asked: straight '),
+    ('', '0 0 1', ', as it has no drive that is simulated; ')])
+def test_a_robot_that_does_not_drive(run, tmp_path, tags, axis, words):
+    (tmp_path / 'my.urdf').write_text(burger(tags).replace('xyz="0 0 1"/>', 'xyz="{}"/>'.format(
+        axis)))
     code, lines = run('check_robot.py', 'my.urdf')
     assert code == 2, lines
-    assert any(line.startswith('warning: my.urdf: it does not drive as asked: straight ')
+    assert any(line.startswith('warning: my.urdf: it does not drive' + words)
                for line in lines), lines

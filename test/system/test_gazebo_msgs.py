@@ -15,7 +15,7 @@ from img_recog_testing.gazebo_messages import INSTALLED, write_package
 from img_recog_testing.process_table import is_alive
 from img_recog_testing.sdf_robot import POST, ROBOT
 from img_recog_testing.service_calls import ServiceCalls
-from img_recog_testing.simulator_tools import Images, burger, drawing, drive
+from img_recog_testing.simulator_tools import Images, burger, drawing, drive, with_tags
 from img_recog_testing.waiting import DEADLINE_S, wait_for
 
 MODEL = 'turtlebot3_burger'
@@ -334,11 +334,8 @@ def test_a_robot_and_a_scanner_of_an_sdf_are_added_with_their_topics_and_deleted
     assert names(gazebo) == NAMES
 
 
-DRIVE = "<gazebo><plugin name='d' filename='libgazebo_ros_diff_drive.so'/></gazebo>"
-
-
 def test_a_robot_with_a_drive_is_added_with_its_topics_and_deleted(gazebo):
-    text = burger(DRIVE)
+    text = burger()
     assert spawn(gazebo, 'second', text, 0.5, 0.55, service='spawn_urdf_model') == {
         'success': True, 'status_message': ''}
     assert names(gazebo) == NAMES + ['second']
@@ -373,10 +370,8 @@ def test_a_robot_with_a_drive_is_added_with_its_topics_and_deleted(gazebo):
     ('commandTopic', '/odom', 'a sensor and commands are on the topic /third/odom'),
     ('odometryTopic', 'cmd_vel', 'a sensor and commands are on the topic /third/cmd_vel')])
 def test_a_robot_with_commands_on_the_topic_of_a_sensor_is_refused(gazebo, tag, topic, problem):
-    text = burger('<gazebo><plugin name="d" filename="libgazebo_ros_diff_drive.so"><{0}>{1}</{0}>'
-                  '</plugin></gazebo>'.format(tag, topic))
     answer = call(gazebo, 'spawn_urdf_model', {
-        'model_name': 'third', 'model_xml': text, 'robot_namespace': 'third',
+        'model_name': 'third', 'model_xml': with_tags(**{tag: topic}), 'robot_namespace': 'third',
         'initial_pose': pose(0.5, 0.55, 0.0)})
     assert answer['success'] is False and problem in answer['status_message'], answer
     assert names(gazebo) == NAMES
@@ -384,7 +379,7 @@ def test_a_robot_with_commands_on_the_topic_of_a_sensor_is_refused(gazebo, tag, 
 
 @pytest.mark.parametrize('name, text, status', [
     *((name, text, "model_name: got '{}', allowed is a text that is not empty, ".format(name))
-      for name in ('', ' ', 'a::b') for text in (GOAL, burger(DRIVE))),
+      for name in ('', ' ', 'a::b') for text in (GOAL, burger())),
     ('goal', 'no markup', 'model goal: '),
     ('goal', GOAL.replace('0.1 0.1 0.1', 'nan 1 1'), 'model goal: '),
     ('goal', '<sdf version="1.6"><include><uri>model://gone</uri></include></sdf>',

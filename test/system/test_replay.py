@@ -11,12 +11,13 @@ from img_recog.formats import world_file
 from img_recog.simulation.physics.client import connect
 from img_recog.simulation.physics.world import World
 from img_recog.simulation.robot_spec import RobotSpec
-from img_recog.simulation.settings import PhysicsSettings
+from img_recog.simulation.settings import PhysicsSettings, RobotSettings
 from img_recog.simulation.simulator import Simulator
 from img_recog.simulation.vehicle import Vehicle
 from img_recog_testing.parsed import lumped
 from img_recog_testing.pages import ROOT
 from img_recog_testing.replaying import contents
+from img_recog_testing.robots import burgers_drive
 from img_recog_testing.simulator_tools import BURGER, burger
 from img_recog_testing.videos import opencv_frames
 from img_recog_testing.waiting import wait_for
@@ -59,7 +60,8 @@ def drive(areas):
     """Return the pose of the demo's robot at the end of a video of these areas, 25 Hz."""
     client = connect()
     world = World(PhysicsSettings(), world_file.read(WORLD, {}), client)
-    vehicle = Vehicle(RobotSpec('burger', lumped(burger())), world)
+    vehicle = Vehicle(RobotSpec('burger', lumped(burger()), RobotSettings(
+        drive=burgers_drive())), world)
     simulator = Simulator(world, [vehicle])
     for step in range(0, 40 * len(areas), 20):
         if step % 100 == 0:

@@ -8,17 +8,13 @@ import pytest
 from geometry_msgs.msg import Point, Pose, PoseStamped, Quaternion
 from std_msgs.msg import Header
 
-from img_recog_testing import wire
+from img_recog_testing import robots, wire
 from img_recog_testing.process_table import descendants, is_alive
 from img_recog_testing.simulator_tools import (Echo, Images, burger, call, complaints, drawing,
-                                               drive, wait_standing)
+                                               drive, wait_standing, with_tags)
 from img_recog_testing.waiting import wait_for
 
 pytestmark = pytest.mark.usefixtures('shared_ros')       # one master
-WIDE = ('<gazebo><plugin name="drive" filename="libgazebo_ros_diff_drive.so">'
-        '<wheelSeparation>wide</wheelSeparation></plugin></gazebo>')
-TOPIC = ('<gazebo><plugin name="drive" filename="libgazebo_ros_diff_drive.so"><{0}>{1}</{0}>'
-         '</plugin></gazebo>')
 
 
 def wheel_mass(mass):
@@ -30,20 +26,21 @@ REFUSED = {
                     'set 0.033 or 0.034'),
     'two sensors': ('_imu_topic:=scan', burger, 'two sensors are on the topic /scan',
                     'give each another topic'),
-    **{tag + topic: ('', functools.partial(burger, TOPIC.format(tag, topic)),
+    **{tag + topic: ('', functools.partial(with_tags, **{tag: topic}),
                      'the topic {} is not that of a robot'.format(topic), 'give its plugin')
        for tag, topic in (('commandTopic', '/clock'), ('odometryTopic', '/tf'),
                           ('odometryTopic', '/rosout'))},
     'odometry source': ('_odometry_source:=gps', burger, "/gazebo/odometry_source: got 'gps'",
                         'one of encoder, world'),
     'view': ('_view:=below', burger, "/gazebo/view: got 'below'", 'one of above, follow'),
-    'scan frame': ('_scan_frame:=nowhere', burger, 'no link nowhere', 'base_footprint, base_link'),
+    'scan frame': ('_scan_frame:=nowhere', robots.burger, 'no link nowhere',
+                   'base_footprint, base_link'),
     'wheel without mass': ('', lambda: wheel_mass('0'), 'joint wheel_left_joint is left out',
                            'add an <inertial>'),
     'wheel of NaN mass': ('', lambda: wheel_mass('nan'), 'mass of link wheel_left_link: got',
                           'finite number'),
-    'tag': ('', lambda: burger(WIDE), "<wheelSeparation> of plugin drive: got 'wide'",
-            'a finite number'),
+    'tag': ('', lambda: with_tags(wheelSeparation='wide'),
+            "<wheelSeparation> of plugin drive: got 'wide'", 'a finite number'),
 }
 
 
@@ -77,7 +74,7 @@ def test_warns_and_continues(simulate, parameter, addition, named):
 
 
 def test_a_sensor_without_its_link_has_no_topic(ros, simulate):
-    node = simulate(urdf=burger().replace('imu_link', 'a_link'))
+    node = simulate(urdf=robots.burger().replace('imu_link', 'a_link'))
     node.wait_output('simulating 1.0017 kg')
     topics = ros.run('rostopic', 'list').split()
     assert '/scan' in topics and '/imu' not in topics
@@ -128,18 +125,20 @@ def test_the_pose_is_published_on_tf(ros, simulate):
     transforms.wait_output('(?s)frame_id: "odom".*child_frame_id: "base_footprint"')
 
 
-DRIVE = '''<gazebo><plugin name="drive" filename="libgazebo_ros_diff_drive.so">
-  <odometryTopic>my_odom</odometryTopic><odometryFrame>my_odom_frame</odometryFrame>
-  <wheelAcceleration>0</wheelAcceleration></plugin></gazebo>'''
-LASER = '''<gazebo reference="base_scan"><sensor type="ray" name="lds">
-  <update_rate>10</update_rate>
-  <ray><scan><horizontal><samples>90</samples></horizontal></scan></ray>
-  <plugin name="laser" filename="libgazebo_ros_laser.so"><topicName>my_scan</topicName></plugin>
-  </sensor></gazebo>'''
+def test_a_robot_without_a_drive_has_its_sensors_and_takes_no_commands(ros, simulate):
+    node = simulate(urdf=robots.burger())
+    node.wait_output('simulating 1.0017 kg')
+    line, = complaints(node)
+    assert 'robot_description: it does not drive, as it has no drive that is simulated;' in line
+    ros.wait_run('ranges:', 'rostopic', 'echo', '-n', '1', '/scan')
+    assert '/cmd_vel' not in ros.run('rostopic', 'list', '-s').split()
 
 
 def test_gazebo_tags_are_used(ros, simulate):
-    node = simulate('_real_time_factor:=5', '_world:=empty', urdf=burger(DRIVE + LASER))
+    node = simulate('_real_time_factor:=5', '_world:=empty', urdf=with_tags(
+        odometryTopic='my_odom', odometryFrame='my_odom_frame', wheelAcceleration='0',
+        samples='90').replace('<update_rate>5<', '<update_rate>10<').replace(
+            '<topicName>scan<', '<topicName>my_scan<'))
     node.wait_output('simulating')
     scans = ros.start('rostopic', 'echo', '--noarr', '-n', '3', '/my_scan')
     assert scans.wait() == 0

@@ -51,7 +51,7 @@ def check(path: str, parameters: Sequence[str] = ()) -> Report:
             *(Row(NOT_DRAWN, 'mesh ' + uri) for uri in robot.model.missing_meshes),
             *(Row(NOT_DRAWN, each) for each in robot.model.missing_looks),
             *seen.rows]
-    driven = list(_driven(robot, simulator))
+    driven = list(_driven(robot, simulator)) if drive.is_there else []
     slips = max(len(drive.left_joints), len(drive.right_joints)) > 1
     still = [each for each in driven if each.got < each.asked * (
         _SLIPS if slips and each.what == _TURNING else _DRIVES)]
@@ -62,7 +62,7 @@ def check(path: str, parameters: Sequence[str] = ()) -> Report:
     return Report('robot {} in {}'.format(vehicle.robot.name, path),
                   rows + [each.row() for each in driven],
                   (*built.warnings, *(each.warning(path) for each in still)),
-                  is_partial=bool(missing))
+                  is_partial=bool(missing) or not drive.is_there)
 
 
 def _controllers(namespace: str, paths: Sequence[str]) -> Controllers:
@@ -107,6 +107,9 @@ def _friction(robot: RobotSpec) -> Iterator[Row]:
 
 def _drive(robot: RobotSpec) -> Iterator[Row]:
     drive = robot.settings.drive
+    if not drive.is_there:
+        yield Row(NOT_SIMULATED, 'drive', 'none')
+        return
     measured = wheels.measure(robot.model, drive).values()
     is_given = any(field.name in robot.tag_values for field in dataclasses.fields(drive))
     for field in dataclasses.fields(drive):

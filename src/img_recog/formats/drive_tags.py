@@ -23,9 +23,8 @@ _UPDATE_RATE = (
     Row('drive_period_s', RATE, 'plugin', 'updateRate', 'update_rate'),
     Row('odometry_period_s', RATE, 'plugin', 'updateRate', 'update_rate'),
     Row('joint_states_period_s', RATE, 'plugin', 'updateRate', 'update_rate'))
-# of the two plugins for wheels of gazebo_plugins: 5 N m, no limit, and 100 Hz
-_ASSUMED: Values = {'wheel_torque': 5.0, 'wheel_acceleration': 0.0, 'odometry_period_s': 0.01,
-                    'joint_states_period_s': 0.01}
+# of the two plugins for wheels of gazebo_plugins
+_ASSUMED: Values = {'odometry_period_s': 0.01, 'joint_states_period_s': 0.01}
 
 
 def _other_sizes(plugin: ElementTree.Element) -> List[str]:
@@ -49,7 +48,11 @@ DIFF_DRIVE = Drive(Tags(('gazebo_ros_diff_drive',), (
         _WORLD: _WORLD, '1': _WORLD, _ENCODER: _ENCODER, '0': _ENCODER}), 'plugin',
         'odometrySource', 'odometry_source'),
     Row('publish_odom_tf', FLAG, 'plugin', 'publishOdomTF', 'publish_odom_tf'),
-    *_TOPICS, *_UPDATE_RATE), not_simulated=_other_sizes), _ASSUMED)
+    *_TOPICS, *_UPDATE_RATE,
+    # of this simulator alone: of messages, where they are fewer than updates of the motors
+    Row('odometry_period_s', RATE, 'plugin', 'odometryRate'),
+    Row('joint_states_period_s', RATE, 'plugin', 'odometryRate')), not_simulated=_other_sizes),
+    {'left_joint': 'left_joint', 'right_joint': 'right_joint', **_ASSUMED})
 
 PLUGINS = (
     DIFF_DRIVE,
@@ -85,7 +88,7 @@ PLUGINS = (
         Row('publish_odom_tf', FLAG, 'plugin', 'publish_tf')),
         not_simulated=lambda _: ('bumpers, cliff sensors and inertial unit of plugin '
                                  'libgazebo_ros_kobuki.so',)),
-        {'wheel_acceleration': 0.0, 'odometry_source': _ENCODER, 'publish_odom_tf': False,
+        {'odometry_source': _ENCODER, 'publish_odom_tf': False,
          'base_frame': 'base_footprint', 'command_topic': 'mobile_base/commands/velocity'}))
 
 # Ackermann steering, tricycles and legs are not

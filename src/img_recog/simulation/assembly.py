@@ -5,7 +5,7 @@ loading/assemble.py reads the files for it. Warnings are returned; nothing is lo
 import contextlib
 from typing import Callable, Iterator, List, NamedTuple, Sequence, Tuple
 
-from img_recog.errors import SimulationError, UserError, one_line
+from img_recog.errors import SimulationError, UserError, one_line, shortened
 from img_recog.formats import drive_tags
 from img_recog.formats.problems import Problems
 from img_recog.formats.world_file import WorldFile
@@ -117,6 +117,12 @@ def add_robot(simulator: Simulator, robot: RobotSpec,
         vehicle.set_sensor_enabled(sensor, False)
     drive = robot.settings.drive
     lines += wheels.measure(robot.model, drive).warnings(drive, robot.tag_values)
+    if not drive.is_there:
+        others = [each for each in robot.not_simulated
+                  if each.startswith(('plugin', 'controller'))]
+        lines.append('it does not drive, as it has no drive that is simulated{}; {}'.format(
+            '; it has: {}'.format(shortened(', '.join(others))) if others else '',
+            drive_tags.ADVICE))
     return ['{}: {}'.format(robot.source, line) for line in lines] + [
         '{} runs without the sensor {}: no link {}'.format(robot.model.name, sensor, link)
         for sensor, link in vehicle.missing_sensors.items() if sensor not in unused]

@@ -5,7 +5,7 @@ from typing import (Any, Callable, Iterator, List, Mapping, NamedTuple, Sequence
                     cast)
 
 from img_recog import rotations
-from img_recog.errors import SimulationError, shortened
+from img_recog.errors import SimulationError
 from img_recog.files import FindFile
 from img_recog.formats import (audit, camera_tags, drive_controllers, drive_tags, gazebo_tags,
                                lumping, urdf as urdf_file)
@@ -108,11 +108,9 @@ def read_robot(urdf: Union[str, ElementTree.Element], step_s: float, find: FindF
         of_controllers = drive.problems if drive else drive_controllers.not_simulated(
             root, drive_controllers.of_robot(root, controllers))
         values = drive.settings(found.values) if drive else found.values
-        other_drives = () if drive else [part for part in (*found.not_simulated, *of_controllers)
-                                         if part.startswith(('plugin', 'controller'))]
         sensors = sensors_of(kinds, [*found.sensors, *cameras])
         return RobotSpec(
-            source, model, _settings(model, sensors, values, other_drives, read), sensors, values,
+            source, model, _settings(model, sensors, values, read), sensors, values,
             (*('{}: {}'.format(source, line)
                for line in _warnings(model, of_tags, of_controllers)),
              *audit.warnings(source, findings)),
@@ -172,17 +170,10 @@ def _warnings(model: Model, of_tags: Sequence[str],
 
 
 def _settings(model: Model, sensors: Sequence[RobotSensor], tag_values: Mapping[str, Any],
-              other_drives: Sequence[str], read: ReadSettings) -> RobotSettings:
-    """Return the settings of a robot.
-
-    other_drives: what may drive it and is not simulated, where nothing else says how it is driven.
-    """
+              read: ReadSettings) -> RobotSettings:
     measured = wheels.measure(model, read(DriveSettings, tag_values))
     values: Mapping[str, Any] = {**measured.values(), **tag_values}
     drive = read(DriveSettings, values)
-    if other_drives and measured.wheel_separation is None and drive.left_joints:
-        raise SimulationError('no drive that is simulated; it has: {}'.format(
-            shortened(', '.join(other_drives))), drive_tags.ADVICE)
     if measured.swapped:
         # libgazebo_ros_diff_drive has <legacyMode>, in which they are
         drive = dataclasses.replace(drive, left_joint=drive.right_joint,
@@ -197,7 +188,7 @@ def _settings_of_tree(tree: Tree, sensors: Sequence[RobotSensor],
                       tag_values: Mapping[str, Any]) -> RobotSettings:
     x, y, z = tree.pose.translation.tolist()
     yaw = rotations.to_rpy(tree.pose.rotation).tolist()[2]
-    return dataclasses.replace(_settings(tree.model, sensors, tag_values, (), from_mapping),
+    return dataclasses.replace(_settings(tree.model, sensors, tag_values, from_mapping),
                                spawn=SpawnSettings(x_pos=x, y_pos=y, z_pos=z, yaw=yaw))
 
 

@@ -1,4 +1,4 @@
-"""The settings of the simulator; defaults are those of turtlebot3_gazebo for the burger."""
+"""The settings of the simulator."""
 import math
 import zlib
 from dataclasses import dataclass, field
@@ -54,8 +54,10 @@ class SpawnSettings(Settings):
 class DriveSettings(Settings):
     """A drive (parameters and units of libgazebo_ros_diff_drive and diff_drive_controller).
 
+    Numbers that nothing gives are those of libgazebo_ros_diff_drive.
     drive: differential has wheels on both sides, planar moves the base itself. left_joint,
-    right_joint: of the wheels, with a comma between several on a side. wheel_separation,
+    right_joint: of the wheels, with a comma between several on a side; a robot without any has no
+    drive, unless that is planar. wheel_separation,
     wheel_diameter: m; the commands and the encoder count with multiples of them, by the
     multipliers. wheel_torque: N m per wheel. wheel_acceleration: m/s2 at the rim.
     drive_period_s: between two updates of the wheel speeds.
@@ -67,15 +69,15 @@ class DriveSettings(Settings):
     """
 
     drive: str = setting(DIFFERENTIAL, one_of(DIFFERENTIAL, PLANAR))
-    left_joint: str = setting('wheel_left_joint', not_empty())
-    right_joint: str = setting('wheel_right_joint', not_empty())
-    wheel_separation: float = setting(0.160, above(0))
-    wheel_diameter: float = setting(0.066, above(0))
+    left_joint: str = setting('', any_value())
+    right_joint: str = setting('', any_value())
+    wheel_separation: float = setting(0.34, above(0))
+    wheel_diameter: float = setting(0.15, above(0))
     wheel_separation_multiplier: float = setting(1.0, above(0))
     left_wheel_radius_multiplier: float = setting(1.0, above(0))
     right_wheel_radius_multiplier: float = setting(1.0, above(0))
-    wheel_torque: float = setting(10.0, above(0))
-    wheel_acceleration: float = setting(1.0, at_least(0))
+    wheel_torque: float = setting(5.0, above(0))
+    wheel_acceleration: float = setting(0.0, at_least(0))
     drive_period_s: float = setting(0.01, above(0))
     max_linear_velocity: float = setting(0.0, at_least(0))
     min_linear_velocity: float = setting(0.0, between(-1000, 0))
@@ -88,6 +90,11 @@ class DriveSettings(Settings):
     cmd_vel_timeout: float = setting(0.0, at_least(0))
     command_topic: str = setting('cmd_vel', not_empty())
     stamped_commands: bool = setting(False)
+
+    @property
+    def is_there(self) -> bool:
+        """Whether anything is driven: the base itself, or joints of wheels."""
+        return self.drive == PLANAR or bool(self.left_joint or self.right_joint)
 
     @property
     def left_joints(self) -> Tuple[str, ...]:

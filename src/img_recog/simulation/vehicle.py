@@ -7,7 +7,7 @@ from img_recog.model import DIFFERENTIAL, PLANAR
 from img_recog.simulation.carrier import Carrier
 from img_recog.simulation.physics.body import Pose
 from img_recog.simulation.physics.differential_drive import DifferentialDrive
-from img_recog.simulation.physics.drive import Drive
+from img_recog.simulation.physics.drive import Drive, NoDrive
 from img_recog.simulation.physics.planar_drive import PlanarDrive
 from img_recog.simulation.physics.robot import SimulatedRobot
 from img_recog.simulation.physics.world import World
@@ -34,7 +34,8 @@ class Vehicle(Carrier):
         left in the world then.
         """
         settings = spec.settings
-        self.drive = _DRIVES[settings.drive.drive](settings.drive)
+        make = _DRIVES[settings.drive.drive] if settings.drive.is_there else NoDrive
+        self.drive = make(settings.drive)
         robot = SimulatedRobot(spec.model, self.drive.motors, settings.spawn,
                                world.physics_client_id)
         super().__init__(spec, world, robot, self.drive)

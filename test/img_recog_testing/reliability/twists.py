@@ -73,7 +73,8 @@ class _Check:
 
 def in_process(count: int, seed: int) -> Dict[str, int]:
     """Give `count` Twists to the conversion and the simulation; return how many were accepted."""
-    check = _Check(DriveSettings(max_linear_velocity=_MAX_SPEED, max_angular_velocity=_MAX_TURN))
+    check = _Check(robots.burgers_drive(max_linear_velocity=_MAX_SPEED,
+                                        max_angular_velocity=_MAX_TURN))
     hostile.explore(max(1, count // hostile.PER_EXAMPLE), seed,
                     strategies.lists(strategies.floats(), min_size=1, max_size=6), check.example)
     return {'accepted': check.accepted, 'refused': check.refused,

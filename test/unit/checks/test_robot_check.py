@@ -4,11 +4,15 @@ import pytest
 from img_recog.checks import robot_check
 from img_recog.checks.report import Row
 from img_recog_testing.refusals import refusal
-from img_recog_testing.robots import burger
+from img_recog_testing.robots import burger, whole_burger
 
 DRIVE = '''<gazebo><plugin name="drive" filename="libgazebo_ros_diff_drive.so">
+  <leftJoint>wheel_left_joint</leftJoint><rightJoint>wheel_right_joint</rightJoint>
   <wheelSeparation>0.16</wheelSeparation><wheelDiameter>0.066</wheelDiameter>
   <commandTopic>go</commandTopic><updateRate>20</updateRate></plugin></gazebo>'''
+WHEELS = '''<gazebo><plugin name="drive" filename="libgazebo_ros_diff_drive.so">
+  <leftJoint>wheel_left_joint</leftJoint><rightJoint>wheel_right_joint</rightJoint></plugin>
+  </gazebo>'''
 LAMP = '<gazebo><plugin name="lamp" filename="liblamp.so"/></gazebo>'
 CAMERA = '''<gazebo reference="camera_link"><sensor type="camera" name="front">
   <update_rate>10</update_rate><camera><image><width>320</width><height>240</height></image>
@@ -40,7 +44,7 @@ def found(report, what):
 
 
 def test_the_burger_has_wheels_that_are_measured_and_drives_as_it_is_told(check, tmp_path):
-    report = check()
+    report = check(WHEELS)
     assert report.title == 'robot turtlebot3_burger in {}'.format(tmp_path / 'robot.urdf')
     assert (report.warnings, report.problem) == ((), '')
     measured = 'shapes of the wheels'
@@ -52,6 +56,25 @@ def test_the_burger_has_wheels_that_are_measured_and_drives_as_it_is_told(check,
         ('assumed', 'sensor_msgs/LaserScan on scan, 5 Hz', 'default')]
     assert found(report, 'straight') == [('measured', '0.200 m/s', 'asked 0.2 m/s')]
     assert found(report, 'turning') == [('measured', '0.500 rad/s', 'asked 0.5 rad/s')]
+
+
+def test_all_of_the_whole_burger_is_in_its_tags(tmp_path):
+    path = tmp_path / 'robot.urdf'
+    path.write_text(whole_burger())
+    report = robot_check.check(str(path))
+    assert (report.warnings, report.is_partial) == ((), False)
+    assert [row.what for row in report.rows if row.state == 'assumed'] == ['friction']
+
+
+@pytest.mark.parametrize('tags', ['', LAMP])
+def test_a_robot_without_a_drive_is_loaded_and_does_not_drive(check, tags):
+    report = check(tags + CAMERA)
+    assert report.is_partial and found(report, 'drive') == [('not simulated', 'none', '')]
+    assert not [row for row in report.rows if row.state == 'measured' or 'wheel_d' in row.what]
+    assert found(report, 'camera on camera_link')[0][0] == 'simulated'
+    line, = [each for each in report.warnings if 'does not drive' in each]
+    assert 'it does not drive, as it has no drive that is simulated' in line
+    assert ('plugin liblamp.so' in line) == bool(tags)
 
 
 def test_what_tags_give_is_not_assumed(check):
@@ -88,7 +111,7 @@ def test_a_tag_of_a_link_that_is_not_there_is_something_that_is_missing(check, t
 
 
 def test_what_is_not_simulated_is_named_and_warned_of(check):
-    report = check(LAMP + MESH, ('imu_link', 'a_link'))
+    report = check(WHEELS + LAMP + MESH, ('imu_link', 'a_link'))
     assert Row('not simulated', 'plugin liblamp.so') in report.rows
     assert Row('not drawn', 'mesh package://lost/x.stl') in report.rows
     assert Row('not simulated', 'imu', 'no link imu_link') in report.rows
@@ -98,7 +121,7 @@ def test_what_is_not_simulated_is_named_and_warned_of(check):
 
 
 def test_an_inertia_that_no_body_has_is_named(check):
-    report = check('', ('ixx="1.1175580e-5"', 'ixx="1"'))
+    report = check(WHEELS, ('ixx="1.1175580e-5"', 'ixx="1"'))
     assert found(report, 'inertia of wheel_left_link') == [
         ('assumed', 'the nearest possible one', '')]
     assert 'wheel_left_link' in report.warnings[0]
@@ -121,7 +144,7 @@ BACKWARD = 'rpy="-1.57 0 0"/><axis xyz="0 0 -1"/>'
                                   '/><axis xyz="0 1 0"/>', BACKWARD],
                          ids=['no axis', 'axis z', 'flat wheels', 'backward'])
 def test_a_robot_that_does_not_drive_as_asked_is_measured(check, axis):
-    report = check('', (ROLLED, axis))
+    report = check(WHEELS, (ROLLED, axis))
     (_, straight, _), = found(report, 'straight')
     assert report.is_partial
     assert axis == BACKWARD or any('the wheel of wheel_left_joint does not roll forward' in line
@@ -131,7 +154,8 @@ def test_a_robot_that_does_not_drive_as_asked_is_measured(check, axis):
 
 
 def test_a_robot_that_cannot_be_used_is_refused(check, tmp_path):
-    assert refusal(check, '', ('wheel_left_joint', 'axle')).startswith(
+    renamed = '<joint name="wheel_left_joint"', '<joint name="axle"'
+    assert refusal(check, WHEELS, renamed).startswith(
         'cannot use the robot in {}: the robot has no movable joint wheel_left_joint'.format(
             tmp_path / 'robot.urdf'))
 

@@ -2,9 +2,11 @@
 import pytest
 
 from img_recog.formats import drive_controllers, drive_tags, urdf
+from img_recog.settings import from_mapping
+from img_recog.simulation.settings import DriveSettings
 from img_recog_testing import parsed
 from img_recog_testing.refusals import refusal
-from img_recog_testing.wheeled import controllers, plugin, robot, source
+from img_recog_testing.wheeled import assembled, controllers, plugin, robot, source
 
 CORNERS = {'leftFrontJoint': 'left_0_joint', 'leftRearJoint': 'left_1_joint',
            'rightFrontJoint': 'right_0_joint', 'rightRearJoint': 'right_1_joint'}
@@ -31,7 +33,7 @@ def test_skid_steering():
         odometryFrame='/map', robotBaseFrame='/base_link', broadcastTF='1'))
     assert not differing(
         found, left_joint='left_0_joint, left_1_joint', wheel_separation=0.5, wheel_diameter=0.2,
-        right_joint='right_0_joint, right_1_joint', wheel_torque=20.0, wheel_acceleration=0.0,
+        right_joint='right_0_joint, right_1_joint', wheel_torque=20.0,
         command_topic='robot/cmd_vel', odometry_topic='odometry', odometry_period_s=0.02,
         joint_states_period_s=0.02, odom_frame='map', base_frame='base_link',
         publish_odom_tf=True)
@@ -41,7 +43,7 @@ def test_skid_steering_by_what_the_plugin_assumes():
     found = values(plugin('gazebo_ros_skid_steer_drive'))
     assert not differing(
         found, left_joint='left_front_joint, left_rear_joint', publish_odom_tf=False,
-        right_joint='right_front_joint, right_rear_joint', wheel_torque=5.0)
+        right_joint='right_front_joint, right_rear_joint')
 
 
 @pytest.mark.parametrize('library, more, wanted', [
@@ -109,12 +111,20 @@ def test_every_name_of_a_tag(names):
 
 @pytest.mark.parametrize('library', ['gazebo_ros_diff_drive', 'gazebo_ros_skid_steer_drive'])
 def test_what_plugins_for_wheels_assume(library):
-    assert not differing(values(plugin(library)), wheel_torque=5.0, wheel_acceleration=0.0,
-                         odometry_period_s=0.01, joint_states_period_s=0.01)
+    found = values(plugin(library))
+    assert not differing(found, odometry_period_s=0.01, joint_states_period_s=0.01)
+    drive = from_mapping(DriveSettings, found)
+    assert (drive.wheel_torque, drive.wheel_acceleration, drive.drive_period_s) == (5.0, 0.0, 0.01)
+
+
+def test_messages_of_a_drive_can_be_fewer_than_its_updates():
+    found = values(plugin('gazebo_ros_diff_drive', updateRate='100', odometryRate='30'))
+    assert not differing(found, drive_period_s=0.01, odometry_period_s=0.033,
+                         joint_states_period_s=0.033)
 
 
 def test_kobuki():
-    assumed = {'wheel_acceleration': 0.0, 'odometry_source': 'encoder', 'publish_odom_tf': False,
+    assumed = {'odometry_source': 'encoder', 'publish_odom_tf': False,
                'base_frame': 'base_footprint', 'command_topic': 'mobile_base/commands/velocity'}
     assert values(plugin('gazebo_ros_kobuki')) == assumed
     assert values(plugin(
@@ -223,12 +233,14 @@ def test_what_else_is_controlled_is_a_warning():
      'controller car (ackermann_steering_controller/AckermannSteeringController);'),
     (CONTROL, {'base': {**controllers()['base'], 'left_wheel': 'l'}},
      'controller base (diff_drive_controller/DiffDriveController: the robot has no joint l);'),
-    (plugin('gazebo_ros_tricycle_drive'), {}, 'it has: plugin libgazebo_ros_tricycle_drive.so;')])
-def test_a_robot_without_a_drive_that_is_simulated_is_refused_in_one_line(elements, given, wanted):
-    line = refusal(source, robot(elements), given)
-    assert 'cannot use the robot in robot.urdf: no drive that is simulated; it has: ' in line
+    (plugin('gazebo_ros_tricycle_drive'), {}, 'it has: plugin libgazebo_ros_tricycle_drive.so;'),
+    ('', {}, 'it does not drive, as it has no drive that is simulated;')])
+def test_a_robot_without_a_drive_that_is_simulated_is_told_so_in_one_line(elements, given, wanted):
+    warnings = assembled(robot(elements), given).warnings
+    line, = [each for each in warnings if 'does not drive' in each]
+    assert line.startswith('robot.urdf: it does not drive, as it has no drive that is simulated')
     assert wanted in line and 'set left_joint and right_joint' in line
-    assert 'diff_drive_controller/DiffDriveController' in line.split(';', 2)[2]
+    assert 'diff_drive_controller/DiffDriveController' in line
 
 
 @pytest.mark.parametrize('namespace, wanted', [

@@ -1,6 +1,4 @@
 """Gazebo's tags in, settings out: each value with its type, each refusal, and what is left."""
-import os
-
 import numpy as np
 import pytest
 
@@ -10,9 +8,8 @@ from img_recog.formats.noises import Noise
 from img_recog.settings import setting_fields
 from img_recog_testing import parsed
 from img_recog_testing.refusals import refusal
+from img_recog_testing.robots import whole_burger
 
-OURS = os.path.join(os.path.dirname(os.path.abspath(__file__)), '..', '..', '..', 'urdf',
-                    'turtlebot3_burger.urdf')
 DRIVE_TAGS = {
     'leftJoint': 'wheel_left_joint', 'rightJoint': 'wheel_right_joint',
     'wheelSeparation': '0.160', 'wheelDiameter': '0.066', 'wheelTorque': '10',
@@ -137,11 +134,11 @@ def test_missing_tags_are_missing_settings():
     assert not_simulated(robot(gazebo(FRICTION, 'a'), gazebo(SILENT_IMU, 'a'))) == []
 
 
-def test_our_own_burger_gives_no_setting():
-    with open(OURS) as file:
-        urdf = file.read()
-    assert '<gazebo' in urdf
-    assert overrides(urdf) == {}
+def test_our_own_burger():
+    urdf = whole_burger()
+    assert overrides(urdf) == {
+        **DRIVE_SETTINGS, 'drive_period_s': 0.01, **SCAN_SETTINGS, **IMU_SETTINGS,
+        'imu_gravity': True, 'gyro_noise': 2e-4, 'accel_noise': 1.7e-2}
     assert not_simulated(urdf) == []
 
 

@@ -6,12 +6,13 @@ import pytest
 
 from img_recog.simulation.sensors.laser_scanner import ScanSettings
 from img_recog.simulation.sensors.odometry import OdometrySettings
-from img_recog.simulation.settings import DriveSettings, RobotSettings
+from img_recog.simulation.settings import RobotSettings
 from img_recog_testing.refusals import refusal
-from img_recog_testing.robots import assemble, burger, read
+from img_recog_testing.robots import assemble, burger, burgers_drive, read
 from img_recog_testing.sdf import BUILT_IN, CRATE, sdf
 
 TAGS = '''<gazebo><plugin name="drive" filename="libgazebo_ros_diff_drive.so">
+  <leftJoint>wheel_left_joint</leftJoint><rightJoint>wheel_right_joint</rightJoint>
   <wheelSeparation>0.3</wheelSeparation><updateRate>50</updateRate></plugin></gazebo>
   <gazebo><plugin name="lamp" filename="liblamp.so"/></gazebo></robot>'''
 MESH = ('<link name="cover"><visual><geometry><mesh filename="package://lost/x.stl"/></geometry>'
@@ -22,10 +23,11 @@ MESH = ('<link name="cover"><visual><geometry><mesh filename="package://lost/x.s
 def test_robot_with_its_tags_and_warnings():
     robot = read(burger().replace('</robot>', TAGS).replace('</robot>', MESH))
     assert (robot.source, robot.model.name) == ('robot.urdf', 'turtlebot3_burger')
-    assert robot.tag_values == {'wheel_separation': 0.3, 'odometry_period_s': pytest.approx(0.02),
+    assert robot.tag_values == {'left_joint': 'wheel_left_joint',
+                                'right_joint': 'wheel_right_joint',
+                                'wheel_separation': 0.3, 'odometry_period_s': pytest.approx(0.02),
                                 'joint_states_period_s': pytest.approx(0.02),
-                                'drive_period_s': pytest.approx(0.02),
-                                'wheel_torque': 5.0, 'wheel_acceleration': 0.0}
+                                'drive_period_s': pytest.approx(0.02)}
     mesh, tag = robot.warnings
     assert mesh.startswith('robot.urdf: mesh not found') and 'package://lost/x.stl' in mesh
     assert tag.startswith('robot.urdf: ') and tag.endswith('plugin liblamp.so')
@@ -80,7 +82,7 @@ def test_default_settings_are_those_of_tags_and_else_the_defaults():
     assert plain == RobotSettings(sensors=plain.sensors)
     assert plain.sensors['scan'] == ScanSettings()
     settings = read(burger().replace('</robot>', TAGS)).settings
-    assert settings.drive == DriveSettings(wheel_separation=0.3, wheel_torque=5.0,
+    assert settings.drive == burgers_drive(wheel_separation=0.3, wheel_torque=5.0,
                                            wheel_acceleration=0.0, drive_period_s=0.02)
     assert settings.sensors['odometry'].odometry_period_s == pytest.approx(0.02)
     assert settings.sensors['scan'] == ScanSettings()
@@ -143,7 +145,7 @@ def test_text_that_cannot_be_used_is_refused_with_its_source(value, words):
 
 
 def test_robot_that_does_not_fit_its_settings_is_refused_with_its_source():
-    assert refusal(assemble, drive=DriveSettings(left_joint='axle')) == (
+    assert refusal(assemble, drive=burgers_drive(left_joint='axle')) == (
         'cannot use the robot in robot_description: the robot has no movable joint axle '
         '(movable joints: wheel_left_joint, wheel_right_joint); '
         'set left_joint to the joint of a wheel')

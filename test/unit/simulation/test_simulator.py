@@ -9,8 +9,7 @@ from img_recog.errors import SimulationError
 from img_recog.simulation.sensors.imu import ImuSettings
 from img_recog.simulation.sensors.joint_states import JointStateSettings
 from img_recog.simulation.sensors.odometry import OdometrySettings
-from img_recog.simulation.settings import DriveSettings
-from img_recog_testing.robots import burger, simulator
+from img_recog_testing.robots import burger, burgers_drive, simulator
 
 SENSORS = ('odometry', 'joint_states', 'imu', 'scan')
 
@@ -211,9 +210,9 @@ def test_imu_that_is_enabled_again_measures_no_acceleration_of_what_it_missed():
 
 
 @pytest.mark.parametrize('settings, words', [
-    ({'drive': DriveSettings(left_joint='axle')}, 'no movable joint axle'),
-    ({'drive': DriveSettings(left_joint='wheel_right_joint')}, 'the same as right_joint'),
-    ({'drive': DriveSettings(drive_period_s=0.0105)}, 'drive_period_s: got 0.0105'),
+    ({'drive': burgers_drive(left_joint='axle')}, 'no movable joint axle'),
+    ({'drive': burgers_drive(left_joint='wheel_right_joint')}, 'the same as right_joint'),
+    ({'drive': burgers_drive(drive_period_s=0.0105)}, 'drive_period_s: got 0.0105'),
     ({'odometry': OdometrySettings(odometry_period_s=0.0335)}, 'set 0.033 or 0.034'),
     ({'odometry': OdometrySettings(odometry_period_s=0.0004)}, 'set 0.001'),
     ({'world_name': 'mars'}, "world: got 'mars'"),

@@ -153,13 +153,14 @@ class RobotTopics(SensorTopics):
         self._warn_of_pose = ThrottledWarning()
         self._is_closed = False
         command_type = TwistStamped if vehicle.settings.drive.stamped_commands else Twist
-        self._subscribers = [
-            lockstep.subscribe_commands(self._command_topic, command_type, self._keep_command)
-            if lockstep is not None else
-            rospy.Subscriber(self._command_topic, command_type, self._keep_command, queue_size=10,
-                             tcp_nodelay=True),
-            rospy.Subscriber(self._pose_topic, PoseStamped, self._set_pose, queue_size=1,
-                             tcp_nodelay=True)]
+        self._subscribers = [rospy.Subscriber(self._pose_topic, PoseStamped, self._set_pose,
+                                              queue_size=1, tcp_nodelay=True)]
+        if vehicle.settings.drive.is_there:
+            self._subscribers.append(
+                lockstep.subscribe_commands(self._command_topic, command_type, self._keep_command)
+                if lockstep is not None else
+                rospy.Subscriber(self._command_topic, command_type, self._keep_command,
+                                 queue_size=10, tcp_nodelay=True))
 
     def _keep_command(self, msg: Union[Twist, TwistStamped]) -> None:
         try:

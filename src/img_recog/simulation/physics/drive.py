@@ -101,6 +101,24 @@ class Drive(abc.ABC):
         """Return the way between two readings: m forward, m to the left, and rad to the left."""
 
 
+class NoDrive(Drive):
+    """Of a robot that does not drive: nothing happens on a command."""
+
+    def __init__(self, settings: DriveSettings):
+        super().__init__(settings, Motors((), 0.0))
+
+    def move(self, robot: SimulatedRobot, velocity: Velocity) -> None:
+        """Do nothing."""
+
+    def encoders(self, robot: SimulatedRobot) -> Tuple[float, ...]:
+        """Return nothing."""
+        return ()
+
+    def travelled(self, before: Tuple[float, ...], now: Tuple[float, ...]) -> Velocity:
+        """Return no way."""
+        return STAND
+
+
 class _Range(NamedTuple):
     """The lowest and the highest value of a velocity or an acceleration."""
 

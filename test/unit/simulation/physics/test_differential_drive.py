@@ -5,7 +5,7 @@ import pytest
 
 from img_recog.simulation.physics.differential_drive import DifferentialDrive
 from img_recog.simulation.physics.robot import Motors
-from img_recog.simulation.settings import DriveSettings
+from img_recog_testing.robots import burgers_drive
 
 RADIUS = 0.033
 
@@ -36,7 +36,7 @@ def follow(drive, updates, start=(0.0, 0.0), robot=None):
 
 def speeds_after(updates, linear, angular=0.0, **settings):
     """Return the speeds of the rims, from rest, so many updates after a command."""
-    drive = DifferentialDrive(DriveSettings(**settings))
+    drive = DifferentialDrive(burgers_drive(**settings))
     drive.command(linear, angular)
     return follow(drive, updates)[-1]
 
@@ -86,7 +86,7 @@ def test_speeds_are_limited(limits, command, wanted):
 
 
 def test_the_ramp_of_wheels_that_slip_goes_beyond_its_target_and_there_the_next_one_begins():
-    drive, robot = DifferentialDrive(DriveSettings()), Slipping(0.0, 0.0)
+    drive, robot = DifferentialDrive(burgers_drive()), Slipping(0.0, 0.0)
 
     def asked(updates):
         follow(drive, updates, robot=robot)
@@ -99,7 +99,7 @@ def test_the_ramp_of_wheels_that_slip_goes_beyond_its_target_and_there_the_next_
 
 
 def test_braking_is_no_faster_than_driving_off():
-    drive = DifferentialDrive(DriveSettings())
+    drive = DifferentialDrive(burgers_drive())
     drive.command(1.0, 0.0)
     follow(drive, 200)
     drive.command(-1.0, 0.0)
@@ -108,7 +108,7 @@ def test_braking_is_no_faster_than_driving_off():
 
 
 def test_reset_forgets_the_command():
-    drive = DifferentialDrive(DriveSettings())
+    drive = DifferentialDrive(burgers_drive())
     drive.command(10.0, 0.0)
     follow(drive, 20)
     drive.reset()
@@ -119,7 +119,7 @@ def test_reset_forgets_the_command():
 @pytest.mark.parametrize('timeout_s, updates', [
     (0.05, 5), (0.07, 7), (0.14, 14), (0.5, 50), (0.054, 6), (0.001, 1)])
 def test_command_ends_after_the_timeout(timeout_s, updates):
-    drive = DifferentialDrive(DriveSettings(wheel_acceleration=0.0, cmd_vel_timeout=timeout_s))
+    drive = DifferentialDrive(burgers_drive(wheel_acceleration=0.0, cmd_vel_timeout=timeout_s))
     drive.command(0.2, 0.0)
     speeds = follow(drive, updates + 3)
     assert speeds[updates - 1] == pytest.approx((0.2, 0.2))
@@ -127,7 +127,7 @@ def test_command_ends_after_the_timeout(timeout_s, updates):
 
 
 def test_new_command_restarts_the_timeout():
-    drive = DifferentialDrive(DriveSettings(wheel_acceleration=0.0, cmd_vel_timeout=0.05))
+    drive = DifferentialDrive(burgers_drive(wheel_acceleration=0.0, cmd_vel_timeout=0.05))
     robot = Wheels(0.0, 0.0)
     for _ in range(4):
         drive.command(0.2, 0.0)
@@ -139,7 +139,7 @@ def test_new_command_restarts_the_timeout():
 
 @pytest.mark.parametrize('speed', [0.2, 0.0])
 def test_a_timeout_is_reported_if_it_stops_the_robot(speed):
-    drive = DifferentialDrive(DriveSettings(wheel_acceleration=0.0, cmd_vel_timeout=0.05))
+    drive = DifferentialDrive(burgers_drive(wheel_acceleration=0.0, cmd_vel_timeout=0.05))
     drive.command(speed, 0.0)
     follow(drive, 5)
     assert not drive.timed_out
@@ -153,7 +153,7 @@ def test_a_timeout_is_reported_if_it_stops_the_robot(speed):
 
 
 def test_a_timeout_that_is_scaled_is_that_many_times_as_long():
-    drive = DifferentialDrive(DriveSettings(wheel_acceleration=0.0, cmd_vel_timeout=0.05))
+    drive = DifferentialDrive(burgers_drive(wheel_acceleration=0.0, cmd_vel_timeout=0.05))
     for factor, periods in ((4.0, 20), (1.0, 5)):       # not 4 times 1
         drive.scale_timeout(factor)
         drive.command(0.2, 0.0)
@@ -162,14 +162,14 @@ def test_a_timeout_that_is_scaled_is_that_many_times_as_long():
 
 
 def test_timeout_of_zero_means_no_timeout():
-    drive = DifferentialDrive(DriveSettings(wheel_acceleration=0.0))
+    drive = DifferentialDrive(burgers_drive(wheel_acceleration=0.0))
     drive.scale_timeout(100.0)
     drive.command(0.2, 0.0)
     assert follow(drive, 100000)[-1] == pytest.approx((0.2, 0.2))
 
 
 # left radius 0.11 m, right 0.09 m, and 0.6 m between them
-UNEVEN = DriveSettings(
+UNEVEN = burgers_drive(
     left_joint='a, b', right_joint='c', wheel_separation=0.4, wheel_separation_multiplier=1.5,
     wheel_diameter=0.2, left_wheel_radius_multiplier=1.1, right_wheel_radius_multiplier=0.9,
     wheel_torque=7.0, wheel_acceleration=0.0)
@@ -194,7 +194,7 @@ def test_what_drives_the_robot(left, right):
 
 
 def test_a_ramp_after_a_reset_begins_at_zero():
-    drive = DifferentialDrive(DriveSettings())
+    drive = DifferentialDrive(burgers_drive())
     drive.command(1.0, 0.0)
     follow(drive, 20)
     drive.reset()
@@ -203,7 +203,7 @@ def test_a_ramp_after_a_reset_begins_at_zero():
 
 
 def test_motors_are_set_when_the_speed_changes_or_something_has_stopped_them():
-    drive, robot = DifferentialDrive(DriveSettings(wheel_acceleration=0.0)), Wheels(0.0, 0.0)
+    drive, robot = DifferentialDrive(burgers_drive(wheel_acceleration=0.0)), Wheels(0.0, 0.0)
     drive.command(0.2, 0.0)
     follow(drive, 2, robot=robot)
     robot.velocities = 9.0, 9.0

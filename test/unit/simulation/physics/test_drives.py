@@ -3,8 +3,13 @@ import pybullet
 import pytest
 import trimesh
 
+from img_recog.conversions.sensor_table import SENSORS
+from img_recog.formats import world_file
+from img_recog.settings import from_mapping
+from img_recog.simulation import assembly
 from img_recog.simulation.physics.differential_drive import DifferentialDrive
-from img_recog.simulation.settings import DriveSettings
+from img_recog.simulation.robot_spec import read_robot
+from img_recog.simulation.settings import DriveSettings, PhysicsSettings
 from img_recog_testing.refusals import refusal
 from img_recog_testing.wheeled import (TURN_SHARE, assembled, controllers, plugin, robot,
                                        velocity, wheel_mesh)
@@ -164,3 +169,30 @@ def test_casters_that_are_meshes_leave_the_wheels_on_the_floor(suffix, tmp_path)
     (',', 'b', 'each once'), ('a', ',', 'each once')])
 def test_refuses_joints_that_are_not_those_of_two_sides(left, right, wanted):
     assert wanted in refusal(DifferentialDrive, DriveSettings(left_joint=left, right_joint=right))
+
+
+def given(**parameters):
+    """Return the simulator of a robot without a plugin, but with parameters."""
+    spec = read_robot(robot(), 0.001, lambda uri: None, 'robot', SENSORS,
+                      read=lambda kind, values: from_mapping(kind, {**values, **parameters}))
+    return assembly.build(PhysicsSettings(world='empty'), world_file.read('empty', {}),
+                          [spec]).simulator
+
+
+@pytest.mark.parametrize('parameters, speed', [
+    ({}, 0.0), ({'left_joint': 'left_0_joint', 'right_joint': 'right_0_joint'}, 0.4),
+    ({'drive': 'planar'}, 0.4), ({'wheel_separation': 0.4}, 0.0)])
+def test_without_a_plugin_a_robot_drives_by_parameters_or_stands(parameters, speed):
+    simulator = given(**parameters)
+    assert velocity(simulator, 0.4) == pytest.approx((speed, 0.0, 0.0), abs=0.004)
+    assert odometry(simulator, 100)[-1].linear[0] == pytest.approx(speed, abs=0.01)
+    drive = simulator.vehicles[0].settings.drive
+    if drive.left_joints:       # what nothing gives is measured, or that of the plugin
+        assert (drive.wheel_separation, drive.wheel_diameter, drive.wheel_torque,
+                drive.wheel_acceleration) == (0.4, 0.2, 5.0, 0.0)
+
+
+def test_the_encoders_of_a_robot_without_a_drive_count_nothing():
+    simulator = given(odometry_source='encoder')
+    simulator.vehicles[0].command(0.4, 0.0)
+    assert odometry(simulator, 500)[-1].position.tolist() == [0.0, 0.0, 0.0]

@@ -12,11 +12,12 @@ from img_recog.simulation.physics.wheels import Wheels
 from img_recog.simulation.settings import DriveSettings
 from img_recog_testing import wheeled
 from img_recog_testing.parsed import given, lumped
-from img_recog_testing.robots import assemble, burger, read
+from img_recog_testing.robots import assemble, burger, burgers_drive, read
 
 COLLISION = '<collision>\n      <geometry><cylinder radius="0.033" length="0.018"/></geometry>'
-TAG = ('<gazebo><plugin name="d" filename="libgazebo_ros_diff_drive.so"><wheelSeparation>{}'
-       '</wheelSeparation></plugin></gazebo></robot>')
+TAG = ('<gazebo><plugin name="d" filename="libgazebo_ros_diff_drive.so"><leftJoint>'
+       'wheel_left_joint</leftJoint><rightJoint>wheel_right_joint</rightJoint>{}</plugin></gazebo>'
+       '</robot>')
 
 
 def changed(*pairs):
@@ -32,16 +33,18 @@ WIDE = changed(('xyz="0 0.08 0.023"', 'xyz="0 0.144 0.023"'),
 
 
 def measure(urdf, **settings):
-    return wheels.measure(lumped(urdf), DriveSettings(**settings))
+    return wheels.measure(lumped(urdf), burgers_drive(**settings))
 
 
-def drive_of(urdf):
-    return read(urdf).settings.drive
+def drive_of(urdf, tags=''):
+    return read(urdf.replace('</robot>', TAG.format(tags))).settings.drive
 
 
-def test_the_burgers_are_the_defaults():
+def test_the_burgers_are_in_its_tags():
     assert measure(burger()) == Wheels(0.16, 0.066)
-    assert drive_of(burger()) == DriveSettings()
+    assert burgers_drive() == DriveSettings(
+        left_joint='wheel_left_joint', right_joint='wheel_right_joint', wheel_separation=0.16,
+        wheel_diameter=0.066, wheel_torque=10.0, wheel_acceleration=1.0, drive_period_s=0.01)
 
 
 def test_wheels_that_are_farther_apart():
@@ -50,7 +53,7 @@ def test_wheels_that_are_farther_apart():
 
 
 def test_a_tag_counts_more():
-    assert drive_of(WIDE.replace('</robot>', TAG.format(0.287))).wheel_separation == 0.287
+    assert drive_of(WIDE, '<wheelSeparation>0.287</wheelSeparation>').wheel_separation == 0.287
 
 
 # the collision shape of both wheels, or of the left one alone
@@ -100,11 +103,11 @@ def test_unknown_joints_have_nothing_to_measure(joints):
         'robot_description: wheel_diameter is 0.06 m, but in the URDF it is 0.066 m: the robot '
         'will move at another speed than commanded',))])
 def test_a_contradiction_is_a_warning(settings, lines):
-    assert assemble(drive=DriveSettings(**settings)).warnings == lines
+    assert assemble(drive=burgers_drive(**settings)).warnings == lines
 
 
 NOT_MEASURED = ('robot.urdf: the URDF does not state the diameter of the wheels, and it cannot be '
-                'measured: 0.066 m is assumed; if that is wrong, set the parameter wheel_diameter')
+                'measured: 0.15 m is assumed; if that is wrong, set the parameter wheel_diameter')
 DIFF_DRIVE = {'leftJoint': 'left_0_joint', 'rightJoint': 'right_0_joint'}
 
 
@@ -129,7 +132,7 @@ def test_the_radius_of_a_mesh_is_measured_about_the_axis_of_its_joint(tmp_path):
 
 @pytest.mark.parametrize('middle', [(0.05, 0.0), (0.0, -0.3)])
 def test_what_is_no_wheel_about_the_axis_cannot_be_measured(tmp_path, middle):
-    assert with_mesh(tmp_path, wheeled.wheel_mesh(0.08, middle)) == (0.066, 0.4, [NOT_MEASURED])
+    assert with_mesh(tmp_path, wheeled.wheel_mesh(0.08, middle)) == (0.15, 0.4, [NOT_MEASURED])
 
 
 def test_a_diameter_that_is_given_needs_no_measurement(tmp_path):
@@ -161,9 +164,9 @@ def test_several_wheels_on_a_side(rows):
     names = {side: ', '.join('{}_{}_joint'.format(side, row) for row in range(len(rows)))
              for side in ('left', 'right')}
     robot = lumped(wheeled.robot(rows=rows, separation=0.5, radius=0.08))
-    drive = DriveSettings(left_joint=names['left'], right_joint=names['right'])
+    drive = burgers_drive(left_joint=names['left'], right_joint=names['right'])
     assert wheels.measure(robot, drive) == Wheels(0.5, 0.16)
-    drive = DriveSettings(left_joint=names['right'], right_joint=names['left'])
+    drive = burgers_drive(left_joint=names['right'], right_joint=names['left'])
     assert wheels.measure(robot, drive) == Wheels(0.5, 0.16, swapped=True)
 
 
@@ -180,14 +183,14 @@ def test_a_wide_robot_turns_as_commanded():
 
 
 @pytest.mark.parametrize('measured, given, diameter, count', [
-    (Wheels(0.16), (), 0.066, 1), (Wheels(0.16), ('wheel_diameter',), 0.066, 0),
+    (Wheels(0.16), (), 0.15, 1), (Wheels(0.16), ('wheel_diameter',), 0.15, 0),
     (Wheels(0.16), (), 0.07, 0), (Wheels(0.16), (), 0.06, 0), (Wheels(), (), 0.066, 0),
     (Wheels(0.16, 0.066), (), 0.066, 0), (Wheels(0.16, 0.06), (), 0.066, 1),
     (Wheels(0.2, 0.05), (), 0.066, 2), (Wheels(None, 0.0695), (), 0.066, 1),
     (Wheels(None, 0.0694), (), 0.066, 0), (Wheels(None, 0.0628), (), 0.066, 1),
     (Wheels(None, 0.0629), (), 0.066, 0)])
 def test_what_is_worth_a_warning(measured, given, diameter, count):
-    drive = DriveSettings(wheel_diameter=diameter)
+    drive = burgers_drive(wheel_diameter=diameter)
     assert len(measured.warnings(drive, given)) == count
 
 
@@ -212,7 +215,7 @@ def test_the_axis_of_the_first_left_wheel_says_which_side_is_left():
     urdf = wheeled.robot(rows=(0.15, -0.15), separation=0.5)
     head, tail = urdf.split('name="left_1_joint"')
     urdf = head + 'name="left_1_joint"' + tail.replace('xyz="0 0 1"', 'xyz="0 0 -1"', 1)
-    drive = DriveSettings(left_joint='left_0_joint, left_1_joint',
+    drive = burgers_drive(left_joint='left_0_joint, left_1_joint',
                           right_joint='right_0_joint, right_1_joint')
     assert wheels.measure(lumped(urdf), drive) == Wheels(0.5, 0.2, False)
 

@@ -36,7 +36,8 @@ def simulator(tmp_path):
         '</robot>', BAR.format('bar', 0.11) + BAR.format('back', -0.2) + TAG + '</robot>')
     robot = read_robot(urdf, 0.001, lambda uri: None, 'robot', KINDS)
     return assembly.build(PhysicsSettings(world=str(wall)), world_file.read(str(wall), {}), [
-        robot.changed(spawn=robots.settings_of(x=0.7).spawn)]).simulator
+        robot.changed(spawn=robots.settings_of(x=0.7).spawn,
+                      drive=robots.burgers_drive())]).simulator
 
 
 def touches(sim, steps):

@@ -8,8 +8,7 @@ from img_recog.settings import SettingError
 from img_recog.simulation.physics.differential_drive import DifferentialDrive
 from img_recog.simulation.sensors.odometry import EncoderOdometry, OdometrySettings
 from img_recog.simulation.sensors.sensor import Mount
-from img_recog.simulation.settings import DriveSettings
-from img_recog_testing.robots import simulator
+from img_recog_testing.robots import burgers_drive, simulator
 
 ENCODER = OdometrySettings(odometry_source='encoder')
 
@@ -105,7 +104,7 @@ class Wheels:
 
 @pytest.mark.parametrize('radius', [0.5, -0.5])
 def test_encoder_counts_a_circle_exactly_where_no_wheel_slips(radius):
-    settings = DriveSettings(wheel_separation=0.2, wheel_diameter=0.1)
+    settings = burgers_drive(wheel_separation=0.2, wheel_diameter=0.1)
     wheels = Wheels(7.0, -3.0, settings)
     odometry = EncoderOdometry(Mount(wheels, None, None, DifferentialDrive(settings)),
                                OdometrySettings(odometry_period_s=0.05))

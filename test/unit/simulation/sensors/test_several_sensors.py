@@ -39,7 +39,8 @@ def built(tmp_path, *tags, height=1):
     wall = tmp_path / 'wall.sdf'
     wall.write_text(WALL.format(height))
     urdf = robots.burger().replace('</robot>', LINK + ''.join(tags) + '</robot>')
-    robot = robots.read(urdf).changed(spawn=robots.settings_of(x=0.5).spawn)
+    robot = robots.read(urdf).changed(spawn=robots.settings_of(x=0.5).spawn,
+                                      drive=robots.burgers_drive())
     return assembly.build(PhysicsSettings(world=str(wall)), world_file.read(str(wall), {}),
                           [robot]).simulator
 
