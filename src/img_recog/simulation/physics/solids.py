@@ -11,7 +11,8 @@ import pybullet
 from img_recog import rotations
 from img_recog.rotations import Quaternion
 from img_recog.simulation.physics.body import Vector
-from img_recog.simulation.physics.client import body_ids
+from img_recog.simulation.physics.client import body_ids, link_indices
+from img_recog.simulation.physics.tyres import ACROSS
 
 _BOX, _CYLINDER, _SPHERE, _PLANE = (pybullet.GEOM_BOX, pybullet.GEOM_CYLINDER,
                                     pybullet.GEOM_SPHERE, pybullet.GEOM_PLANE)
@@ -101,7 +102,8 @@ class Solids:
 def _shapes(bodies: Sequence[int], client: int) -> List[_Shape]:
     return [_Shape((body, link), kind, size, position, orientation)
             for body in bodies
-            for link in range(-1, pybullet.getNumJoints(body, physicsClientId=client))
+            # those of a second link of a wheel are where those of the first one are
+            for name, link in link_indices(body, client).items() if not name.endswith(ACROSS)
             for _, _, kind, size, _, position, orientation in pybullet.getCollisionShapeData(
                 body, link, physicsClientId=client)]
 
