@@ -6,8 +6,8 @@ import os
 import sys
 import time
 
-from img_recog import assemble
 from img_recog.formats import world_file
+from img_recog.loading import assemble
 from img_recog.simulation.physics.client import connect
 from img_recog.simulation.physics.world import World
 from img_recog.simulation.settings import PhysicsSettings
