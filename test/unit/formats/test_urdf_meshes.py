@@ -13,7 +13,7 @@ from img_recog.simulation.robot_spec import RobotSpec
 from img_recog.simulation.settings import RobotSettings, SpawnSettings
 from img_recog.simulation.vehicle import Vehicle
 from img_recog_testing.parsed import given, lumped, part
-from img_recog_testing.robots import read, simulator
+from img_recog_testing.robots import burgers_drive, read, simulator
 
 INERTIAL = ('<inertial><mass value="{}"/><inertia ixx="0.001" ixy="0" ixz="0" iyy="0.001" iyz="0" '
             'izz="0.001"/></inertial>')
@@ -161,7 +161,7 @@ def test_what_pybullet_cannot_read_counts_as_missing(name, readable):
 def test_robot_weighs_what_it_says_and_stands_and_drives(find, has_meshes):
     sim = simulator()
     toy_model = lumped(TOY, find if has_meshes else lambda uri: None)
-    settings = RobotSettings(spawn=SpawnSettings(x_pos=1.0, y_pos=1.0))
+    settings = RobotSettings(drive=burgers_drive(), spawn=SpawnSettings(x_pos=1.0, y_pos=1.0))
     sim.remove(sim.vehicles[0])
     toy = Vehicle(RobotSpec('toy', toy_model, settings), sim.world)
     sim.add(toy)
