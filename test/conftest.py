@@ -1,7 +1,7 @@
 """What all tests need."""
 import gc
 
-from img_recog_testing.signals import handle_ignored_signals
+from img_recog_helpers.signals import handle_ignored_signals
 
 _LONGEST_ID = 80
 

@@ -10,9 +10,9 @@ from nav_msgs.msg import Odometry
 from rosgraph_msgs.msg import Log
 from sensor_msgs.msg import Image
 
-from img_recog_testing import plain_opencv
-from img_recog_testing.frames import message, picture
-from img_recog_testing.recording import (AreaLines, Diagnostics, Recorder, call, from_node, main,
+from img_recog_helpers import plain_opencv
+from img_recog_helpers.frames import message, picture
+from img_recog_helpers.recording import (AreaLines, Diagnostics, Recorder, call, from_node, main,
                                          wait_for)
 
 

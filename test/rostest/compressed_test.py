@@ -16,9 +16,9 @@ from std_msgs.msg import Header
 
 from img_recog.conversions import compressed_image_msgs, image_msgs
 from img_recog.nodes.compressed_images import CompressedImages
-from img_recog_testing import frames
-from img_recog_testing.recording import AreaLines, Recorder, from_node, main, wait_for
-from img_recog_testing.waiting import DEADLINE_S, stretch
+from img_recog_helpers import frames
+from img_recog_helpers.recording import AreaLines, Recorder, from_node, main, wait_for
+from img_recog_helpers.waiting import DEADLINE_S, stretch
 
 NODES = ('color_extract', 'from_compressed')
 

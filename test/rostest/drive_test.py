@@ -5,7 +5,7 @@ import unittest
 from nav_msgs.msg import Odometry
 from rosgraph_msgs.msg import Log
 
-from img_recog_testing.recording import AreaLines, Recorder, areas, call, main, wait_for
+from img_recog_helpers.recording import AreaLines, Recorder, areas, call, main, wait_for
 
 
 class DriveTest(unittest.TestCase):

@@ -8,8 +8,8 @@ import rospy
 from gazebo_msgs.msg import ModelState
 from gazebo_msgs.srv import GetModelState, SetModelState
 
-from img_recog_testing.driven import Robot, place, yaw
-from img_recog_testing.recording import main, wait_for
+from img_recog_helpers.driven import Robot, place, yaw
+from img_recog_helpers.recording import main, wait_for
 
 POST, RADIUS_M = 'blue_post_1', 0.06
 SPEED, PERIOD_S = 0.1, 0.1

@@ -11,8 +11,8 @@ from rosgraph_msgs.msg import Clock
 from sensor_msgs.msg import CameraInfo, Image, Imu, JointState, LaserScan
 from tf2_msgs.msg import TFMessage
 
-from img_recog_testing import plain_opencv
-from img_recog_testing.recording import Recorder, from_node, main, wait_for
+from img_recog_helpers import plain_opencv
+from img_recog_helpers.recording import Recorder, from_node, main, wait_for
 
 
 COLOR_IMAGES = ('/blue_image', '/red_image')

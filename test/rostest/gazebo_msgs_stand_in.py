@@ -7,7 +7,7 @@ import os
 import pathlib
 import sys
 
-from img_recog_testing import gazebo_messages
+from img_recog_helpers import gazebo_messages
 
 if __name__ == '__main__':
     if not gazebo_messages.INSTALLED:

@@ -13,9 +13,9 @@ from geometry_msgs.msg import Twist
 from rosgraph_msgs.msg import Log
 from sensor_msgs.msg import Image, PointCloud
 
-from img_recog_testing.frames import BLUE, GREY, RED, message
-from img_recog_testing.recording import Recorder, from_node, main, wait_for
-from img_recog_testing.waiting import DEADLINE_S, stretch
+from img_recog_helpers.frames import BLUE, GREY, RED, message
+from img_recog_helpers.recording import Recorder, from_node, main, wait_for
+from img_recog_helpers.waiting import DEADLINE_S, stretch
 
 NODE = '/color_extract'
 YELLOW = (20, 180, 200)     # BGR

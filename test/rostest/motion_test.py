@@ -9,8 +9,8 @@ from geometry_msgs.msg import Twist
 from nav_msgs.msg import Odometry
 from sensor_msgs.msg import JointState
 
-from img_recog_testing.driven import place, yaw
-from img_recog_testing.recording import Recorder, call, main, wait_for
+from img_recog_helpers.driven import place, yaw
+from img_recog_helpers.recording import Recorder, call, main, wait_for
 
 
 def twist(linear, angular):

@@ -7,7 +7,7 @@ import rospy
 import tf2_ros
 import yaml
 
-from img_recog_testing.recording import Diagnostics, main, wait_for
+from img_recog_helpers.recording import Diagnostics, main, wait_for
 
 NODES = {'/color_extract', '/gazebo', '/robot_state_publisher', '/turtlebot3_teleop_keyboard',
          '/usb_cam'}

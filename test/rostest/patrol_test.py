@@ -9,9 +9,9 @@ from geometry_msgs.msg import Twist
 from nav_msgs.msg import Odometry
 from sensor_msgs.msg import LaserScan
 
-from img_recog_testing import turtlebot3_world
-from img_recog_testing.driven import place, yaw
-from img_recog_testing.recording import Recorder, main, wait_for
+from img_recog_helpers import turtlebot3_world
+from img_recog_helpers.driven import place, yaw
+from img_recog_helpers.recording import Recorder, main, wait_for
 
 SIMULATED_S = 180.0
 # a circle around the burger seen from above: x of its center from base_footprint, and radius, m

@@ -7,8 +7,8 @@ import rospy
 import tf2_ros
 from sensor_msgs.msg import CameraInfo, Image
 
-from img_recog_testing.driven import START, Robot, place
-from img_recog_testing.recording import Recorder, from_node, main, wait_for
+from img_recog_helpers.driven import START, Robot, place
+from img_recog_helpers.recording import Recorder, from_node, main, wait_for
 
 FOCAL_PX = 320 / math.tan(math.radians(62.2) / 2)
 

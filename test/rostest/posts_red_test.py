@@ -3,8 +3,8 @@
 import unittest
 
 
-from img_recog_testing.driven import START, Robot, place, yaw
-from img_recog_testing.recording import main, wait_for
+from img_recog_helpers.driven import START, Robot, place, yaw
+from img_recog_helpers.recording import main, wait_for
 
 
 class PostsRedTest(unittest.TestCase):

@@ -16,9 +16,9 @@ import rospy
 from geometry_msgs.msg import Twist, Vector3
 from sensor_msgs.msg import PointCloud
 
-from img_recog_testing import plain_opencv
-from img_recog_testing.frames import message, picture
-from img_recog_testing.recording import Diagnostics, Recorder, main, wait_for
+from img_recog_helpers import plain_opencv
+from img_recog_helpers.frames import message, picture
+from img_recog_helpers.recording import Diagnostics, Recorder, main, wait_for
 
 IMAGES, COMMANDS = '/usb_cam/image_raw', '/recorded/cmd_vel'
 RATE_HZ = 30.0

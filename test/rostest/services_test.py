@@ -9,7 +9,7 @@ from rosgraph_msgs.msg import Clock
 from sensor_msgs.msg import CameraInfo, Image, Imu, JointState, LaserScan
 from sensor_msgs.srv import SetCameraInfo
 
-from img_recog_testing.recording import Recorder, call, main, wait_for
+from img_recog_helpers.recording import Recorder, call, main, wait_for
 
 
 class ServicesTest(unittest.TestCase):

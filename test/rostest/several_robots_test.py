@@ -10,8 +10,8 @@ from geometry_msgs.msg import Twist
 from nav_msgs.msg import Odometry
 from sensor_msgs.msg import Image, Imu, JointState, LaserScan
 
-from img_recog_testing.driven import place, reset_world
-from img_recog_testing.recording import Recorder, main, wait_for
+from img_recog_helpers.driven import place, reset_world
+from img_recog_helpers.recording import Recorder, main, wait_for
 
 NAMES = ['tb3_{}'.format(number) for number in range(4)]
 # what the robot of that number does: the velocities that its node commands

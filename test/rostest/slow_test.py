@@ -8,9 +8,9 @@ from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from geometry_msgs.msg import Twist
 from sensor_msgs.msg import CameraInfo, Image
 
-from img_recog_testing import statuses
-from img_recog_testing.recording import Recorder, call, main, wait_for
-from img_recog_testing.waiting import stretch
+from img_recog_helpers import statuses
+from img_recog_helpers.recording import Recorder, call, main, wait_for
+from img_recog_helpers.waiting import stretch
 
 MAX_AGE_S = 0.4         # of most; on a busy machine one may wait for a processor
 MAX_ONE_AGE_S = 5.0

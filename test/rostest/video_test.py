@@ -12,9 +12,9 @@ from geometry_msgs.msg import Twist
 from nav_msgs.msg import Odometry
 from sensor_msgs.msg import CompressedImage, Image
 
-from img_recog_testing import plain_opencv
-from img_recog_testing.recording import AreaLines, Recorder, call, from_node, main, wait_for
-from img_recog_testing.videos import opencv_frames
+from img_recog_helpers import plain_opencv
+from img_recog_helpers.recording import AreaLines, Recorder, call, from_node, main, wait_for
+from img_recog_helpers.videos import opencv_frames
 
 FRAMES, LIMIT_PX = 250, 1000
 QUIET_S = 2.0       # without a message: none is on its way

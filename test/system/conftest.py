@@ -1,8 +1,8 @@
 """Fixtures for tests that run whole processes."""
 import pytest
 
-from img_recog_testing.processes import Ros
-from img_recog_testing.simulator_tools import burger
+from img_recog_helpers.processes import Ros
+from img_recog_helpers.simulator_tools import burger
 
 
 @pytest.fixture

@@ -5,7 +5,7 @@ import re
 import pytest
 import yaml
 
-from img_recog_testing.simulator_tools import BURGER, burger
+from img_recog_helpers.simulator_tools import BURGER, burger
 
 CAMERA_CASES = {
     'missing path': ('_video_device:=/no/such.mp4', '/no/such.mp4: no such file', 'synthetic'),

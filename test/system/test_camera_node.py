@@ -10,9 +10,9 @@ import cv2
 import numpy as np
 import pytest
 
-from img_recog_testing.processes import Process
-from img_recog_testing.service_calls import ServiceCalls
-from img_recog_testing.waiting import DEADLINE_S, stretch, wait_for
+from img_recog_helpers.processes import Process
+from img_recog_helpers.service_calls import ServiceCalls
+from img_recog_helpers.waiting import DEADLINE_S, stretch, wait_for
 
 
 def start(roscore, *parameters):

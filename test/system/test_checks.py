@@ -5,9 +5,9 @@ import os
 import cv2
 import pytest
 
-from img_recog_testing.pages import ROOT
-from img_recog_testing.robots import burger, whole_burger
-from img_recog_testing.sdf import BOX, BUILT_IN, sdf
+from img_recog_helpers.pages import ROOT
+from img_recog_helpers.robots import burger, whole_burger
+from img_recog_helpers.sdf import BOX, BUILT_IN, sdf
 
 WALL = ('<model name="wall"><static>1</static><link name="l">'
         + BOX.format('visual', '', '0.1 4 2') + '</link></model>')

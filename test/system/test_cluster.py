@@ -8,8 +8,8 @@ import av
 import numpy as np
 import pytest
 
-from img_recog_testing.pages import ROOT
-from img_recog_testing.waiting import wait_for
+from img_recog_helpers.pages import ROOT
+from img_recog_helpers.waiting import wait_for
 
 SCHEDULER, WORKERS = '10.213.7.1', ('10.213.7.2', '10.213.7.3')
 ADDRESS = 'tcp://{}:8786'.format(SCHEDULER)

@@ -3,7 +3,7 @@ import re
 import shlex
 import sys
 
-from img_recog_testing.pages import read
+from img_recog_helpers.pages import read
 
 PAGE = read('doc/colors.md')
 PUBLISHER = """

@@ -6,8 +6,8 @@ import signal
 import pytest
 
 from img_recog.processes.bag_recording import TOPICS
-from img_recog_testing.process_table import is_alive
-from img_recog_testing.waiting import wait_for
+from img_recog_helpers.process_table import is_alive
+from img_recog_helpers.waiting import wait_for
 
 NODES = ('color_extract', 'gazebo', 'robot_state_publisher', 'turtlebot3_teleop_keyboard',
          'usb_cam')

@@ -3,7 +3,7 @@ import os
 import subprocess
 import sys
 
-from img_recog_testing.pages import ROOT
+from img_recog_helpers.pages import ROOT
 
 SCRIPT = os.path.join(ROOT, 'scripts', 'doctor.py')
 

@@ -32,8 +32,8 @@ from img_recog.recognition.settings import DEFAULT_COLORS, RecognitionSettings, 
 from img_recog.settings import SettingError, Settings
 from img_recog.simulation.settings import PhysicsSettings, ViewSettings
 from img_recog.teleoperation.settings import TeleopSettings, VelocityLimits
-from img_recog_testing.ignored import shown as shown_by_git
-from img_recog_testing.pages import (LAUNCH_FOLDER, ROOT, anchors, code, launch_arguments,
+from img_recog_helpers.ignored import shown as shown_by_git
+from img_recog_helpers.pages import (LAUNCH_FOLDER, ROOT, anchors, code, launch_arguments,
                                      launch_file_tools, links, paths, read, rows, tables)
 
 REFERENCE = read('doc/reference.md')

@@ -2,9 +2,9 @@
 import pytest
 from geometry_msgs.msg import Twist, TwistStamped, Vector3
 
-from img_recog_testing import wire
-from img_recog_testing.simulator_tools import Echo
-from img_recog_testing.wheeled import controllers, plugin, robot
+from img_recog_helpers import wire
+from img_recog_helpers.simulator_tools import Echo
+from img_recog_helpers.wheeled import controllers, plugin, robot
 
 pytestmark = pytest.mark.usefixtures('shared_ros')       # one master
 

@@ -6,9 +6,9 @@ import signal
 import pytest
 
 from img_recog.ros.transport.switch import is_plain
-from img_recog_testing.processes import Ros
-from img_recog_testing.process_table import descendants, is_alive
-from img_recog_testing.waiting import wait_for
+from img_recog_helpers.processes import Ros
+from img_recog_helpers.process_table import descendants, is_alive
+from img_recog_helpers.waiting import wait_for
 
 # with plain rospy, nodes do not know whether there is a master
 WATCHED = pytest.mark.skipif(is_plain('registration'), reason='plain rospy')

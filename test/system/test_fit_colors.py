@@ -8,8 +8,8 @@ import numpy as np
 import psutil
 import pytest
 
-from img_recog_testing.pages import ROOT
-from img_recog_testing.waiting import wait_for
+from img_recog_helpers.pages import ROOT
+from img_recog_helpers.waiting import wait_for
 
 VIDEO = os.path.join(ROOT, 'test', 'data', 'bikes.mp4')
 SAMPLES = os.path.join(ROOT, 'test', 'samples', 'bikes_{}.yaml')

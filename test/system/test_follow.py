@@ -21,7 +21,7 @@ from img_recog.replay.chain import SECOND_NS, Chain, ColorRecognition, Recorder
 from img_recog.replay.robot_frames import RobotFrames
 from img_recog.simulation.models import Models, State
 from img_recog.simulation.settings import SpawnSettings
-from img_recog_testing.pages import ROOT
+from img_recog_helpers.pages import ROOT
 
 _CONTACT_STEPS = 4      # of 1 ms: no contact is shorter
 FOLLOW = os.path.join(ROOT, 'config', 'follow.yaml')

@@ -11,12 +11,12 @@ import time
 import pytest
 import yaml
 
-from img_recog_testing.gazebo_messages import INSTALLED, write_package
-from img_recog_testing.process_table import is_alive
-from img_recog_testing.sdf_robot import POST, ROBOT
-from img_recog_testing.service_calls import ServiceCalls
-from img_recog_testing.simulator_tools import Images, burger, drawing, drive, with_tags
-from img_recog_testing.waiting import DEADLINE_S, wait_for
+from img_recog_helpers.gazebo_messages import INSTALLED, write_package
+from img_recog_helpers.process_table import is_alive
+from img_recog_helpers.sdf_robot import POST, ROBOT
+from img_recog_helpers.service_calls import ServiceCalls
+from img_recog_helpers.simulator_tools import Images, burger, drawing, drive, with_tags
+from img_recog_helpers.waiting import DEADLINE_S, wait_for
 
 MODEL = 'turtlebot3_burger'
 NAMES = ['ground_plane', 'turtlebot3_world', MODEL]

@@ -4,7 +4,7 @@ import os
 
 import pytest
 
-from img_recog_testing.pages import ROOT
+from img_recog_helpers.pages import ROOT
 
 OTHERS = 'IMG_RECOG_GOLDEN'     # of the environment: a folder with clones of public repositories
 

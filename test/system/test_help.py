@@ -7,7 +7,7 @@ import sys
 
 import pytest
 
-from img_recog_testing.pages import ROOT, read, rows
+from img_recog_helpers.pages import ROOT, read, rows
 
 REFERENCE = read('doc/reference.md')
 # of each node: its chapter, and topics and services of its docstring

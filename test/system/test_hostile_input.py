@@ -3,8 +3,8 @@ import sys
 
 from rosgraph_msgs.msg import Log
 
-from img_recog_testing import wire
-from img_recog_testing.waiting import DEADLINE_S
+from img_recog_helpers import wire
+from img_recog_helpers.waiting import DEADLINE_S
 
 FORGED = 'x\n[FATAL] forged'
 HOSTILE_IMAGES = '''

@@ -7,9 +7,9 @@ import cv2
 import numpy as np
 import pytest
 
-from img_recog_testing import hosts, watch_robot
-from img_recog_testing.hosts import Hosts
-from img_recog_testing.waiting import stretch, wait_for
+from img_recog_helpers import hosts, watch_robot
+from img_recog_helpers.hosts import Hosts
+from img_recog_helpers.waiting import stretch, wait_for
 
 REASON = hosts.reason_without()
 pytestmark = pytest.mark.skipif(bool(REASON), reason=REASON)

@@ -8,11 +8,11 @@ import signal
 import pytest
 import rospkg
 
-from img_recog_testing.ignored import shown
-from img_recog_testing.lessons import pattern, steps
-from img_recog_testing.pages import ROOT, read
-from img_recog_testing.process_table import end_all
-from img_recog_testing.waiting import wait_for
+from img_recog_helpers.ignored import shown
+from img_recog_helpers.lessons import pattern, steps
+from img_recog_helpers.pages import ROOT, read
+from img_recog_helpers.process_table import end_all
+from img_recog_helpers.waiting import wait_for
 
 LESSONS = sorted(os.path.basename(path)
                  for path in glob.glob(os.path.join(ROOT, 'doc', 'lessons', '*.md')))

@@ -5,9 +5,9 @@ import signal
 
 import pytest
 
-from img_recog_testing.lockstep import CAMERA, compiled, controller, driver, path, paths_of_two
-from img_recog_testing.simulator_tools import Echo, burger, complaints, drawing
-from img_recog_testing.waiting import wait_for
+from img_recog_helpers.lockstep import CAMERA, compiled, controller, driver, path, paths_of_two
+from img_recog_helpers.simulator_tools import Echo, burger, complaints, drawing
+from img_recog_helpers.waiting import wait_for
 
 pytestmark = pytest.mark.usefixtures('shared_ros')       # one master
 

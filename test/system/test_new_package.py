@@ -8,7 +8,7 @@ import subprocess
 import pytest
 import yaml
 
-from img_recog_testing.pages import ROOT
+from img_recog_helpers.pages import ROOT
 
 TEMPLATE = pathlib.Path(ROOT, 'templates', 'my_robot_vision')
 

@@ -6,9 +6,9 @@ import sys
 
 import pytest
 
-from img_recog_testing.pages import ROOT
-from img_recog_testing.processes import numbers
-from img_recog_testing.simulator_tools import burger
+from img_recog_helpers.pages import ROOT
+from img_recog_helpers.processes import numbers
+from img_recog_helpers.simulator_tools import burger
 
 PARTS = ('src', 'doc', 'launch', 'scripts', 'test', 'CONTRIBUTING.md', 'README.md', 'README.ja.md',
          'run')

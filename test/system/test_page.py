@@ -15,12 +15,12 @@ import yaml
 from websockets.asyncio.client import connect
 from websockets.exceptions import ConnectionClosed, InvalidStatus
 
-from img_recog_testing import wire
-from img_recog_testing.browser import Browser, need_chromium, status_of
-from img_recog_testing.processes import Ros
-from img_recog_testing.service_calls import ServiceCalls
-from img_recog_testing.simulator_tools import Echo
-from img_recog_testing.waiting import DEADLINE_S, stretch, wait_for
+from img_recog_helpers import wire
+from img_recog_helpers.browser import Browser, need_chromium, status_of
+from img_recog_helpers.processes import Ros
+from img_recog_helpers.service_calls import ServiceCalls
+from img_recog_helpers.simulator_tools import Echo
+from img_recog_helpers.waiting import DEADLINE_S, stretch, wait_for
 
 CAMERA, BLUE, RED = '/usb_cam/image_raw', '/blue_image', '/red_image'
 CARD_SHARE = 0.25       # of the image

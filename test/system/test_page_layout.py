@@ -4,10 +4,10 @@ import os
 
 import pytest
 
-from img_recog_testing.browser import Browser, need_chromium
-from img_recog_testing.pages import ROOT
-from img_recog_testing.processes import Ros
-from img_recog_testing.waiting import wait_for
+from img_recog_helpers.browser import Browser, need_chromium
+from img_recog_helpers.pages import ROOT
+from img_recog_helpers.processes import Ros
+from img_recog_helpers.waiting import wait_for
 
 TABS = ('live', 'colors', 'graph', 'nodes', 'log')
 RULES = ('search', 'left', 'right', 'ahead', 'near_left', 'near_right', 'near', 'red_near')

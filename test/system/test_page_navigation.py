@@ -5,9 +5,9 @@ import sys
 import pytest
 from selenium.webdriver.common.action_chains import ActionChains
 
-from img_recog_testing.browser import Browser, need_chromium
-from img_recog_testing.processes import Ros
-from img_recog_testing.waiting import wait_for
+from img_recog_helpers.browser import Browser, need_chromium
+from img_recog_helpers.processes import Ros
+from img_recog_helpers.waiting import wait_for
 
 # a room of 4 x 6 m around the robot, whose odometry is turned to the left in it; says what it gets
 STAND_IN = '''

@@ -5,9 +5,9 @@ import cv2
 import numpy as np
 import pytest
 
-from img_recog_testing.browser import Browser, need_chromium
-from img_recog_testing.simulator_tools import Echo
-from img_recog_testing.waiting import wait_for
+from img_recog_helpers.browser import Browser, need_chromium
+from img_recog_helpers.simulator_tools import Echo
+from img_recog_helpers.waiting import wait_for
 
 LIST = '''
 - {name: tb3_0, x_pos: 0.0, y_pos: 0.0, camera: card.png, teleop: false}

@@ -4,13 +4,13 @@ import re
 import pytest
 
 from img_recog.ros.transport.switch import is_plain
-from img_recog_testing.reliability import (chaos, endings, figures, files, images, long_tests,
+from img_recog_helpers.reliability import (chaos, endings, figures, files, images, long_tests,
                                            soak, surroundings, twists)
-from img_recog_testing.reliability.demo import NODES, START_LIMIT_S, STOP_LIMIT_S, Demo
-from img_recog_testing.reliability.faults import KINDS, Fault, possible
-from img_recog_testing.reliability.parts import PARTS, Options
-from img_recog_testing.reliability.nodes import Nodes
-from img_recog_testing.waiting import stretch
+from img_recog_helpers.reliability.demo import NODES, START_LIMIT_S, STOP_LIMIT_S, Demo
+from img_recog_helpers.reliability.faults import KINDS, Fault, possible
+from img_recog_helpers.reliability.parts import PARTS, Options
+from img_recog_helpers.reliability.nodes import Nodes
+from img_recog_helpers.waiting import stretch
 
 # with plain rospy, a subscriber that gets damaged bytes loses its connection, and a node may wait
 # for the master when it ends

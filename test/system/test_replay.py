@@ -14,13 +14,13 @@ from img_recog.simulation.robot_spec import RobotSpec
 from img_recog.simulation.settings import PhysicsSettings, RobotSettings
 from img_recog.simulation.simulator import Simulator
 from img_recog.simulation.vehicle import Vehicle
-from img_recog_testing.parsed import lumped
-from img_recog_testing.pages import ROOT
-from img_recog_testing.replaying import contents
-from img_recog_testing.robots import burgers_drive
-from img_recog_testing.simulator_tools import BURGER, burger
-from img_recog_testing.videos import opencv_frames
-from img_recog_testing.waiting import wait_for
+from img_recog_helpers.parsed import lumped
+from img_recog_helpers.pages import ROOT
+from img_recog_helpers.replaying import contents
+from img_recog_helpers.robots import burgers_drive
+from img_recog_helpers.simulator_tools import BURGER, burger
+from img_recog_helpers.videos import opencv_frames
+from img_recog_helpers.waiting import wait_for
 
 VIDEO = os.path.join(ROOT, 'test', 'data', 'bikes.mp4')
 WORLD = os.path.join(ROOT, 'urdf', 'turtlebot3_world.urdf')

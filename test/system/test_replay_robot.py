@@ -7,9 +7,9 @@ import textwrap
 import cv2
 import pytest
 
-from img_recog_testing.pages import ROOT
-from img_recog_testing.replaying import contents
-from img_recog_testing.simulator_tools import burger
+from img_recog_helpers.pages import ROOT
+from img_recog_helpers.replaying import contents
+from img_recog_helpers.simulator_tools import burger
 
 FOLLOW = os.path.join(ROOT, 'config', 'follow.yaml')
 FILES = ['robot_in_color_posts.replay' + extension for extension in ('.bag', '.csv', '.png')]

@@ -9,8 +9,8 @@ from sensor_msgs.msg import CompressedImage, Image
 from std_msgs.msg import Header
 
 from img_recog.conversions import compressed_image_msgs, image_msgs
-from img_recog_testing import wire
-from img_recog_testing.waiting import wait_for
+from img_recog_helpers import wire
+from img_recog_helpers.waiting import wait_for
 
 HEADER = Header(stamp=rospy.Time(12, 345), frame_id='lens')
 PIXELS = cv2.resize(np.random.RandomState(0).randint(0, 256, (4, 6, 3), np.uint8), (60, 40))

@@ -5,9 +5,9 @@ import sys
 
 import pytest
 
-from img_recog_testing.sdf import BOX, BUILT_IN, sdf
-from img_recog_testing.simulator_tools import burger, complaints
-from img_recog_testing.waiting import wait_for
+from img_recog_helpers.sdf import BOX, BUILT_IN, sdf
+from img_recog_helpers.simulator_tools import burger, complaints
+from img_recog_helpers.waiting import wait_for
 
 pytestmark = pytest.mark.usefixtures('shared_ros')       # one master
 # like that of the waffle of turtlebot3_description, but of fewer pixels

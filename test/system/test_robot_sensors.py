@@ -4,10 +4,10 @@ import math
 
 import pytest
 
-from img_recog_testing.sdf import BUILT_IN, sdf
-from img_recog_testing.sdf_robot import POST, ROBOT, WALL
-from img_recog_testing.simulator_tools import Echo, burger, complaints
-from img_recog_testing.waiting import wait_for
+from img_recog_helpers.sdf import BUILT_IN, sdf
+from img_recog_helpers.sdf_robot import POST, ROBOT, WALL
+from img_recog_helpers.simulator_tools import Echo, burger, complaints
+from img_recog_helpers.waiting import wait_for
 
 pytestmark = pytest.mark.usefixtures('shared_ros')       # one master
 

@@ -6,10 +6,10 @@ import sys
 
 import pytest
 
-from img_recog_testing import wire
-from img_recog_testing.service_calls import ServiceCalls
-from img_recog_testing.simulator_tools import burger
-from img_recog_testing.waiting import DEADLINE_S, wait_for
+from img_recog_helpers import wire
+from img_recog_helpers.service_calls import ServiceCalls
+from img_recog_helpers.simulator_tools import burger
+from img_recog_helpers.waiting import DEADLINE_S, wait_for
 
 
 def simulated(ros):

@@ -10,9 +10,9 @@ import zipfile
 
 import pytest
 
-from img_recog_testing.pages import ROOT, read
-from img_recog_testing.processes import Process
-from img_recog_testing.waiting import DEADLINE_S, stretch, wait_for
+from img_recog_helpers.pages import ROOT, read
+from img_recog_helpers.processes import Process
+from img_recog_helpers.waiting import DEADLINE_S, stretch, wait_for
 
 SHARED = ('.venv', os.path.join('test', 'data'))        # takes too long to make again
 

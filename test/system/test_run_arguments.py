@@ -5,8 +5,8 @@ import subprocess
 
 import pytest
 
-from img_recog_testing.pages import ROOT, launch_arguments
-from img_recog_testing.waiting import DEADLINE_S, stretch
+from img_recog_helpers.pages import ROOT, launch_arguments
+from img_recog_helpers.waiting import DEADLINE_S, stretch
 
 
 def checked(*words):

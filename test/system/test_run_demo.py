@@ -12,10 +12,10 @@ import urllib.parse
 import psutil
 import pytest
 
-from img_recog_testing import process_table
-from img_recog_testing.pages import ROOT
-from img_recog_testing.process_table import end_all, marked, ports
-from img_recog_testing.waiting import wait_for
+from img_recog_helpers import process_table
+from img_recog_helpers.pages import ROOT
+from img_recog_helpers.process_table import end_all, marked, ports
+from img_recog_helpers.waiting import wait_for
 
 END_S = 10.0
 # so that also on a busy machine the nodes end by themselves, before the supervisor kills them

@@ -8,11 +8,11 @@ import pytest
 from geometry_msgs.msg import Point, Pose, PoseStamped, Quaternion
 from std_msgs.msg import Header
 
-from img_recog_testing import robots, wire
-from img_recog_testing.process_table import descendants, is_alive
-from img_recog_testing.simulator_tools import (Echo, Images, burger, call, complaints, drawing,
+from img_recog_helpers import robots, wire
+from img_recog_helpers.process_table import descendants, is_alive
+from img_recog_helpers.simulator_tools import (Echo, Images, burger, call, complaints, drawing,
                                                drive, wait_standing, with_tags)
-from img_recog_testing.waiting import wait_for
+from img_recog_helpers.waiting import wait_for
 
 pytestmark = pytest.mark.usefixtures('shared_ros')       # one master
 

@@ -6,9 +6,9 @@ import textwrap
 
 import pytest
 
-from img_recog_testing import sdf
-from img_recog_testing.pages import ROOT
-from img_recog_testing.replaying import contents
+from img_recog_helpers import sdf
+from img_recog_helpers.pages import ROOT
+from img_recog_helpers.replaying import contents
 
 SWEEP = '''
     runs: 2

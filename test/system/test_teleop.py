@@ -5,8 +5,8 @@ import pty
 import re
 import termios
 
-from img_recog_testing.simulator_tools import Echo
-from img_recog_testing.waiting import wait_for
+from img_recog_helpers.simulator_tools import Echo
+from img_recog_helpers.waiting import wait_for
 
 NAME = '/turtlebot3_teleop_keyboard'
 

@@ -8,9 +8,9 @@ import xml.etree.ElementTree as ET
 import av
 import pytest
 
-from img_recog_testing import process_table
-from img_recog_testing.processes import Ros
-from img_recog_testing.waiting import wait_for
+from img_recog_helpers import process_table
+from img_recog_helpers.processes import Ros
+from img_recog_helpers.waiting import wait_for
 
 PACKAGE = '''<package format="2"><name>{}</name><version>0.0.0</version><license>none</license>
 <description>of a test</description><maintainer email="a@b.c">a</maintainer></package>'''

@@ -4,10 +4,10 @@ import signal
 
 import pytest
 
-from img_recog_testing.process_table import cpu_s, descendants
-from img_recog_testing.simulator_tools import (Echo, Images, complaints, drawing, drive,
+from img_recog_helpers.process_table import cpu_s, descendants
+from img_recog_helpers.simulator_tools import (Echo, Images, complaints, drawing, drive,
                                                wait_standing)
-from img_recog_testing.waiting import wait_for
+from img_recog_helpers.waiting import wait_for
 
 pytestmark = pytest.mark.usefixtures('shared_ros')       # one master
 

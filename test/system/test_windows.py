@@ -7,7 +7,7 @@ import cv2
 import numpy as np
 import pytest
 
-from img_recog_testing.waiting import wait_for
+from img_recog_helpers.waiting import wait_for
 
 pytestmark = pytest.mark.display
 SIMULATOR = 'Bullet Physics'

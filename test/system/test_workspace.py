@@ -3,8 +3,8 @@ import os
 import pathlib
 import subprocess
 
-from img_recog_testing.browser import status_of
-from img_recog_testing.pages import ROOT
+from img_recog_helpers.browser import status_of
+from img_recog_helpers.pages import ROOT
 
 # environment variables of a shell in which no setup.bash was sourced
 FOREIGN = ('CMAKE_PREFIX_PATH', 'PYTHONPATH', 'ROS_PACKAGE_PATH', 'PKG_CONFIG_PATH',

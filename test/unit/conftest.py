@@ -7,8 +7,8 @@ import pytest
 from diagnostic_msgs.msg import DiagnosticStatus
 from diagnostic_updater import DiagnosticStatusWrapper
 
-from img_recog_testing.videos import VIDEO_RATE_HZ, smooth_image
-from img_recog_testing.waiting import DEADLINE_S
+from img_recog_helpers.videos import VIDEO_RATE_HZ, smooth_image
+from img_recog_helpers.waiting import DEADLINE_S
 
 
 _MAX_PHYSICS_CLIENTS = 128      # PyBullet takes the first one that is free

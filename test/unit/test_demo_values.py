@@ -5,7 +5,7 @@ import os
 import pytest
 
 from img_recog.errors import UserError
-from img_recog_testing.pages import ROOT, launch_arguments
+from img_recog_helpers.pages import ROOT, launch_arguments
 
 ARGUMENTS = [(each.name, each.default) for each in launch_arguments().values()]
 

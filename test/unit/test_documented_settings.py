@@ -2,7 +2,7 @@
 import re
 
 import pytest
-from img_recog_testing.pages import read, rows
+from img_recog_helpers.pages import read, rows
 
 from img_recog.camera import settings as camera
 from img_recog.conversions.compressed_image_msgs import CompressionSettings

@@ -3,7 +3,7 @@ import ast
 import os
 import pathlib
 
-from img_recog_testing.pages import ROOT
+from img_recog_helpers.pages import ROOT
 
 PURE = ('camera', 'conversions', 'recognition', 'rendering', 'simulation', 'teleoperation')
 KINDS = (ast.FunctionDef, ast.ClassDef)

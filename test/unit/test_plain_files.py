@@ -15,7 +15,7 @@ from img_recog.model import HEIGHTMAP, Shape
 from img_recog.nodes.robots import robot_list
 from img_recog.recognition import parameter_file
 from img_recog.recognition.fitting import sample_file
-from img_recog_testing.sdf import sdf
+from img_recog_helpers.sdf import sdf
 
 TRIANGLE = 'v 0 0 0\nv 1 0 0\nv 0 1 0\n{}\nf 1 2 3\n'
 _DEADLINE_S = 60

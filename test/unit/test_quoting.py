@@ -5,7 +5,7 @@ import re
 
 import pytest
 
-from img_recog_testing.pages import ROOT
+from img_recog_helpers.pages import ROOT
 
 # after a colon or in quotes or brackets: a program, its words, and a place for a value
 _COMMAND = re.compile(r'(?<!usage)[:"(] ?(sudo |\./run|rosrun|roslaunch|rosbag|rosnode|ffmpeg|'

@@ -6,8 +6,8 @@ import sys
 
 import pytest
 
-from img_recog_testing.process_table import is_alive
-from img_recog_testing.waiting import wait_for
+from img_recog_helpers.process_table import is_alive
+from img_recog_helpers.waiting import wait_for
 
 PROGRAM = os.path.normpath(os.path.join(os.path.dirname(os.path.abspath(__file__)), '..', '..',
                                         'scripts', 'respawn.py'))

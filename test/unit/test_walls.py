@@ -5,7 +5,7 @@ import shutil
 import pytest
 from setuptools import find_packages
 
-from img_recog_testing.walls import circles, violations
+from img_recog_helpers.walls import circles, violations
 
 SOURCES = pathlib.Path(__file__).resolve().parents[2] / 'src'
 

@@ -15,7 +15,7 @@ from img_recog.batch.options import Options
 from img_recog.batch.work import Done, Piece, run_piece
 from img_recog.errors import UserError
 from img_recog.processes.signals import Interrupts
-from img_recog_testing import batch_work
+from img_recog_helpers import batch_work
 
 WAIT_S = 10
 

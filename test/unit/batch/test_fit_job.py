@@ -15,7 +15,7 @@ from img_recog.batch import fit_job
 from img_recog.conversions import image_msgs
 from img_recog.recognition import parameter_file
 from img_recog.recognition.areas import ColorExtractor
-from img_recog_testing.figures import assert_unchanged, of_matplotlib
+from img_recog_helpers.figures import assert_unchanged, of_matplotlib
 
 WIDTH, HEIGHT = 64, 48
 RED, BLUE, WALL, CUP = (40, 30, 190), (170, 80, 30), (120, 125, 130), (60, 110, 190)     # BGR

@@ -6,8 +6,8 @@ import pytest
 from PIL import Image
 
 from img_recog.batch import code_version, inputs, work_folder
-from img_recog_testing import sdf
-from img_recog_testing.robots import FOLDER
+from img_recog_helpers import sdf
+from img_recog_helpers.robots import FOLDER
 
 BURGER = os.path.join(FOLDER, 'turtlebot3_burger.urdf')
 TRIANGLE = 'v 0 0 0\nv 1 0 {}\nv 0 1 1\nvt 0 0\nf 1/1 2/1 3/1\n'

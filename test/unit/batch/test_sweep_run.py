@@ -8,8 +8,8 @@ from img_recog.batch.sweep_file import Run, Success
 from img_recog.errors import UserError
 from img_recog.replay.chain import FrameResult
 from img_recog.simulation.physics.body import Motion
-from img_recog_testing import pages, sdf
-from img_recog_testing.robots import assemble
+from img_recog_helpers import pages, sdf
+from img_recog_helpers.robots import assemble
 
 POST = ('<model name="{}"><static>1</static><pose>{} 0 0.15 0 0 0</pose><link name="l">'
         '<collision name="c"><geometry><cylinder><radius>0.06</radius><length>0.3</length>'

@@ -8,7 +8,7 @@ import yaml
 
 from img_recog.camera import calibration
 from img_recog.camera.calibration import CalibrationError
-from img_recog_testing.calibrations import KNOWN, OTHER
+from img_recog_helpers.calibrations import KNOWN, OTHER
 
 NAN, INF = float('nan'), float('inf')
 # fields of KNOWN to replace, the entry of the error, what it wants and has

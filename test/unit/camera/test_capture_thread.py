@@ -7,8 +7,8 @@ import pytest
 
 from img_recog.camera.capture import Capture, Listener
 from img_recog.camera.source import FrameSource
-from img_recog_testing.descriptors import times_open
-from img_recog_testing.waiting import DEADLINE_S, wait_for
+from img_recog_helpers.descriptors import times_open
+from img_recog_helpers.waiting import DEADLINE_S, wait_for
 
 IMAGE = np.zeros((2, 2, 3), np.uint8)
 

@@ -8,7 +8,7 @@ from img_recog.camera import controls
 from img_recog.camera.controls import Control, ControlDevice, apply, variable_name
 from img_recog.camera.settings import ControlSettings
 from img_recog.settings import unknown
-from img_recog_testing.descriptors import times_open
+from img_recog_helpers.descriptors import times_open
 
 
 class FakeDevice:

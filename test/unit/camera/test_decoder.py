@@ -16,8 +16,8 @@ from img_recog.camera.selection import open_source
 from img_recog.camera.settings import CameraSettings
 from img_recog.camera.source import FrameSkipped
 from img_recog.recordings.films import FilmFrames
-from img_recog_testing.videos import opencv_frames
-from img_recog_testing.waiting import DEADLINE_S
+from img_recog_helpers.videos import opencv_frames
+from img_recog_helpers.waiting import DEADLINE_S
 
 SMALL, LARGE = (96, 64), (128, 96)
 H264 = ['-c:v', 'libx264', '-pix_fmt', 'yuv420p']

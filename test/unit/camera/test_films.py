@@ -17,8 +17,8 @@ from img_recog.camera.source import SourceEnded
 from img_recog.camera.video_source import VideoSource
 from img_recog.recordings import parts
 from img_recog.recordings.films import FilmFrames
-from img_recog_testing.fake_decoder import FakeDecoder
-from img_recog_testing.waiting import DEADLINE_S
+from img_recog_helpers.fake_decoder import FakeDecoder
+from img_recog_helpers.waiting import DEADLINE_S
 
 # every third of 9 frames at 10 Hz, then all
 UNEVEN = ['-vf', "select='not(mod(n,3))+gt(n,8)'", '-vsync', 'vfr']

@@ -11,8 +11,8 @@ from img_recog.camera.selection import open_file, open_source
 from img_recog.camera.settings import CameraSettings
 from img_recog.camera.source import SourceError
 from img_recog.errors import UserError
-from img_recog_testing import bombs
-from img_recog_testing.videos import smooth_image
+from img_recog_helpers import bombs
+from img_recog_helpers.videos import smooth_image
 
 NOT_PLAYABLE = ('cannot play {}: neither a video nor an image that OpenCV reads; set video_device '
                 'to one, or to synthetic')

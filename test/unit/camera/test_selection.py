@@ -12,7 +12,7 @@ from img_recog.camera.settings import CameraSettings
 from img_recog.camera.source import FrameSkipped, SourceEnded, SourceError
 from img_recog.camera.synthetic import BLUE_FRAMES, SyntheticSource, draw_frame
 from img_recog.camera.video_source import VideoSource
-from img_recog_testing.videos import smooth_image
+from img_recog_helpers.videos import smooth_image
 
 
 def opened(name, folders=('',), **settings):

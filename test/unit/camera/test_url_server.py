@@ -13,8 +13,8 @@ from img_recog.camera.selection import open_source
 from img_recog.camera.settings import CameraSettings
 from img_recog.camera.source import FrameSkipped, SourceEnded, SourceError
 from img_recog.camera.url_source import RemoteVideoSource, StreamSource
-from img_recog_testing.videos import smooth_image
-from img_recog_testing.waiting import DEADLINE_S
+from img_recog_helpers.videos import smooth_image
+from img_recog_helpers.waiting import DEADLINE_S
 
 
 class Handler(http.server.SimpleHTTPRequestHandler):

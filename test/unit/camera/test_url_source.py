@@ -8,7 +8,7 @@ from img_recog.camera.selection import open_source
 from img_recog.camera.settings import CameraSettings
 from img_recog.camera.source import FrameSkipped, SourceEnded, SourceError
 from img_recog.camera.url_source import RemoteVideoSource, StreamSource
-from img_recog_testing.fake_decoder import IMAGE, FakeDecoder
+from img_recog_helpers.fake_decoder import IMAGE, FakeDecoder
 
 
 def stream(clock, *steps, **options):

@@ -8,9 +8,9 @@ import pytest
 from img_recog.camera.selection import open_file
 from img_recog.camera.source import SourceError
 from img_recog.camera.video_source import VideoSource
-from img_recog_testing.descriptors import times_open
-from img_recog_testing.fake_decoder import FakeDecoder
-from img_recog_testing.videos import VIDEO_RATE_HZ, opencv_frames
+from img_recog_helpers.descriptors import times_open
+from img_recog_helpers.fake_decoder import FakeDecoder
+from img_recog_helpers.videos import VIDEO_RATE_HZ, opencv_frames
 
 
 @pytest.mark.parametrize('fourcc, name, frames', [

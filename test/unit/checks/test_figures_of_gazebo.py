@@ -5,8 +5,8 @@ The wheels turn there at the speeds of the command.
 import pytest
 
 from img_recog.checks.simulation_run import Options, Run
-from img_recog_testing.robots import whole_burger
-from img_recog_testing.sdf import BUILT_IN, sdf
+from img_recog_helpers.robots import whole_burger
+from img_recog_helpers.sdf import BUILT_IN, sdf
 
 BOX = ('<model name="m"><pose>{pose}</pose><static>{static}</static><link name="l"><inertial>'
        '<mass>{mass}</mass><inertia><ixx>{i}</ixx><iyy>{i}</iyy><izz>{i}</izz></inertia>'

@@ -3,8 +3,8 @@ import pytest
 
 from img_recog.checks import robot_check
 from img_recog.checks.report import Row
-from img_recog_testing.refusals import refusal
-from img_recog_testing.robots import burger, whole_burger
+from img_recog_helpers.refusals import refusal
+from img_recog_helpers.robots import burger, whole_burger
 
 DRIVE = '''<gazebo><plugin name="drive" filename="libgazebo_ros_diff_drive.so">
   <leftJoint>wheel_left_joint</leftJoint><rightJoint>wheel_right_joint</rightJoint>

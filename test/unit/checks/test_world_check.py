@@ -3,8 +3,8 @@ import pytest
 
 from img_recog.checks import world_check
 from img_recog.checks.report import Row
-from img_recog_testing.refusals import refusal
-from img_recog_testing.sdf import BOX, BUILT_IN, CRATE, SHELF, sdf
+from img_recog_helpers.refusals import refusal
+from img_recog_helpers.sdf import BOX, BUILT_IN, CRATE, SHELF, sdf
 
 CHAIR = '<include><uri>model://chair</uri></include>'
 LAMP = '<light name="lamp" type="point"/><plugin name="p" filename="libwind.so"/><physics/>'

@@ -6,7 +6,7 @@ import re
 import pytest
 
 from img_recog.command_line import messages
-from img_recog_testing.pages import ROOT
+from img_recog_helpers.pages import ROOT
 
 PROGRAMS = [path for folder in ('src/img_recog', 'tools')
             for path in sorted(pathlib.Path(ROOT, folder).rglob('*.py'))]

@@ -8,7 +8,7 @@ import sys
 import pytest
 
 from img_recog.command_line import new_package
-from img_recog_testing.pages import ROOT
+from img_recog_helpers.pages import ROOT
 
 
 @pytest.fixture

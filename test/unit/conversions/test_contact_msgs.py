@@ -6,7 +6,7 @@ import pytest
 
 from img_recog.conversions import contact_msgs
 from img_recog.simulation.sensors.contact_sensor import ContactSettings, Touch
-from img_recog_testing.gazebo_messages import DEFINITIONS
+from img_recog_helpers.gazebo_messages import DEFINITIONS
 
 
 @pytest.fixture(autouse=True)

@@ -8,7 +8,7 @@ from img_recog.model import BOX, Shape
 from img_recog.rendering import lens_views
 from img_recog.rendering.camera import Camera
 from img_recog.rendering.rays import slopes
-from img_recog_testing.drawn import GREEN, HERE, at, loaded, scene, visual
+from img_recog_helpers.drawn import GREEN, HERE, at, loaded, scene, visual
 
 
 @pytest.mark.parametrize('limits, wanted', [

@@ -8,7 +8,7 @@ from collections import namedtuple
 import pytest
 
 from img_recog.doctor import machine
-from img_recog_testing.pages import read
+from img_recog_helpers.pages import read
 
 Usage = namedtuple('Usage', 'total used free')
 

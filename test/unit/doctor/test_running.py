@@ -8,8 +8,8 @@ from rosgraph_msgs.msg import Clock
 from sensor_msgs.msg import Imu
 
 from img_recog.doctor.running import check_running
-from img_recog_testing.waiting import DEADLINE_S
-from img_recog_testing.xmlrpc_server import XmlRpcServer
+from img_recog_helpers.waiting import DEADLINE_S
+from img_recog_helpers.xmlrpc_server import XmlRpcServer
 
 POSE, TWIST = 'geometry_msgs/Pose', 'geometry_msgs/Twist'
 IMU, SCAN = 'sensor_msgs/Imu', 'sensor_msgs/LaserScan'

@@ -6,7 +6,7 @@ import pytest
 from img_recog.formats import elements
 from img_recog.formats.audit import audit
 from img_recog.formats.elements_page import lines
-from img_recog_testing.pages import ROOT
+from img_recog_helpers.pages import ROOT
 
 MODEL = '<sdf version="1.6"><world name="w"><model name="m">{}</model></world></sdf>'
 LINK = MODEL.format('<link name="l">{}</link>')

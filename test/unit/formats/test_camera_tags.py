@@ -4,8 +4,8 @@ import math
 import pytest
 
 from img_recog.simulation.settings import CameraSettings
-from img_recog_testing.parsed import cameras, tags
-from img_recog_testing.refusals import refusal
+from img_recog_helpers.parsed import cameras, tags
+from img_recog_helpers.refusals import refusal
 
 # like those of the waffle_pi and the waffle of turtlebot3_description
 PI = '''<gazebo reference="camera_rgb_frame"><sensor type="camera" name="Pi Camera">

@@ -4,8 +4,8 @@ import math
 import pytest
 
 from img_recog.formats import lenses
-from img_recog_testing.parsed import cameras
-from img_recog_testing.refusals import refusal
+from img_recog_helpers.parsed import cameras
+from img_recog_helpers.refusals import refusal
 
 SENSOR = '''<robot name="r"><link name="front"/><gazebo reference="front">
 <sensor type="{}" name="c">{}<plugin name="p" filename="lib{}.so">{}</plugin></sensor></gazebo>

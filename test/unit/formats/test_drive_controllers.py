@@ -5,7 +5,7 @@ import xml.etree.ElementTree as ElementTree
 import pytest
 
 from img_recog.formats import drive_controllers
-from img_recog_testing.refusals import refusal
+from img_recog_helpers.refusals import refusal
 
 JOINTS = 'a', 'b', 'c', 'd', 'l_wheel_joint', 'r_wheel_joint'
 CONTROL = '<gazebo><plugin filename="libgazebo_ros_control.so"/></gazebo>'

@@ -4,9 +4,9 @@ import pytest
 from img_recog.formats import drive_controllers, drive_tags, urdf
 from img_recog.settings import from_mapping
 from img_recog.simulation.settings import DriveSettings
-from img_recog_testing import parsed
-from img_recog_testing.refusals import refusal
-from img_recog_testing.wheeled import assembled, controllers, plugin, robot, source
+from img_recog_helpers import parsed
+from img_recog_helpers.refusals import refusal
+from img_recog_helpers.wheeled import assembled, controllers, plugin, robot, source
 
 CORNERS = {'leftFrontJoint': 'left_0_joint', 'leftRearJoint': 'left_1_joint',
            'rightFrontJoint': 'right_0_joint', 'rightRearJoint': 'right_1_joint'}

@@ -6,9 +6,9 @@ from img_recog.conversions.sensor_table import SENSORS
 from img_recog.formats.drive_tags import DIFF_DRIVE, PLUGINS
 from img_recog.formats.noises import Noise
 from img_recog.settings import setting_fields
-from img_recog_testing import parsed
-from img_recog_testing.refusals import refusal
-from img_recog_testing.robots import whole_burger
+from img_recog_helpers import parsed
+from img_recog_helpers.refusals import refusal
+from img_recog_helpers.robots import whole_burger
 
 DRIVE_TAGS = {
     'leftJoint': 'wheel_left_joint', 'rightJoint': 'wheel_right_joint',

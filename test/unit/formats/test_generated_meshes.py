@@ -7,7 +7,7 @@ import pytest
 
 from img_recog.formats import generated_meshes
 from img_recog.formats.meshes import mesh_file
-from img_recog_testing.refusals import refusal
+from img_recog_helpers.refusals import refusal
 
 # an L of 3 m2, anticlockwise
 L_SHAPE = [(0, 0), (2, 0), (2, 1), (1, 1), (1, 2), (0, 2)]

@@ -14,8 +14,8 @@ from img_recog.simulation.physics.client import connect
 from img_recog.simulation.physics.solids import Bundles
 from img_recog.simulation.physics.world import World
 from img_recog.simulation.settings import PhysicsSettings
-from img_recog_testing.refusals import refusal
-from img_recog_testing.sdf import CRATE, sdf
+from img_recog_helpers.refusals import refusal
+from img_recog_helpers.sdf import CRATE, sdf
 
 # the upper row is that of the largest y; the brightest pixel has the height of <size>
 PIXELS = np.array([[0, 50, 100, 50, 0], [50, 150, 200, 50, 0], [0, 50, 100, 20, 0]], np.uint8)

@@ -4,8 +4,8 @@ import pytest
 
 from img_recog.formats import inertias
 from img_recog.model import NO_INERTIA
-from img_recog_testing import parsed
-from img_recog_testing.refusals import refusal
+from img_recog_helpers import parsed
+from img_recog_helpers.refusals import refusal
 
 TURN = np.array([[0.36, 0.48, -0.8], [-0.8, 0.6, 0.0], [0.48, 0.64, 0.6]])
 

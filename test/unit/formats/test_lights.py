@@ -9,10 +9,10 @@ from img_recog.model import (DIRECTIONAL, EXP2, LINEAR, POINT, SPOT, SUN, Fog, L
 from img_recog.rotations import IDENTITY
 from img_recog.simulation.pictures import visual_scene
 from img_recog.simulation.pictures.visual_scene import Parts
-from img_recog_testing.parsed import given
-from img_recog_testing.refusals import refusal
-from img_recog_testing.robots import assemble, burger
-from img_recog_testing.sdf import BUILT_IN, sdf
+from img_recog_helpers.parsed import given
+from img_recog_helpers.refusals import refusal
+from img_recog_helpers.robots import assemble, burger
+from img_recog_helpers.sdf import BUILT_IN, sdf
 
 LAMP = '<light name="{}" type="point"><pose>1 0 2 0 0 0</pose></light>'
 

@@ -8,9 +8,9 @@ import pytest
 from img_recog import rotations
 from img_recog.formats import inertias, urdf
 from img_recog.model import BOX, Joint, Shape
-from img_recog_testing.parsed import lumped
-from img_recog_testing.refusals import refusal
-from img_recog_testing.robots import burger
+from img_recog_helpers.parsed import lumped
+from img_recog_helpers.refusals import refusal
+from img_recog_helpers.robots import burger
 
 ROBOT = '<robot name="r">{}</robot>'
 GROUND = '<collision>{}<geometry><box size="1 1 1"/></geometry></collision>'

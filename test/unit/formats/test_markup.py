@@ -9,9 +9,9 @@ from img_recog.formats import markup, model_file, world_file
 from img_recog.loading import robot_file
 from img_recog.recognition import parameter_file
 from img_recog.simulation.robot_spec import read_robot
-from img_recog_testing.parsed import lumped
-from img_recog_testing.refusals import refusal
-from img_recog_testing.robots import burger
+from img_recog_helpers.parsed import lumped
+from img_recog_helpers.refusals import refusal
+from img_recog_helpers.robots import burger
 
 LAUGHS = ('<!DOCTYPE robot [<!ENTITY a "ha">'
           + ''.join('<!ENTITY {} "{}">'.format(name, '&{};'.format(other) * 10)

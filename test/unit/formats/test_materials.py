@@ -5,7 +5,7 @@ import pytest
 
 from img_recog.formats import material_scripts, materials
 from img_recog.model import WHITE, Material
-from img_recog_testing.refusals import refusal
+from img_recog_helpers.refusals import refusal
 
 SCRIPT = '''
 // material commented { technique { pass { diffuse 1 1 1 } } }

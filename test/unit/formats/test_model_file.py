@@ -2,7 +2,7 @@
 import pytest
 
 from img_recog.formats import model_file
-from img_recog_testing.refusals import refusal
+from img_recog_helpers.refusals import refusal
 
 LINK = '<link name="{}"><visual><geometry><box size="1 1 1"/></geometry></visual></link>'
 MASS = ('<inertial><mass value="2"/><inertia ixx="1" ixy="0" ixz="0" iyy="1" iyz="0" izz="1"/>'

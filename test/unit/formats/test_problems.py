@@ -3,7 +3,7 @@ import pytest
 
 from img_recog.errors import SimulationError
 from img_recog.formats.problems import Problems
-from img_recog_testing.refusals import refusal
+from img_recog_helpers.refusals import refusal
 
 
 def test_all_is_named_once_with_what_helps():

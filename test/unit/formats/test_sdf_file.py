@@ -6,7 +6,7 @@ import pytest
 from img_recog import rotations
 from img_recog.formats import sdf_file
 from img_recog.formats.problems import Problems
-from img_recog_testing.sdf import BUILT_IN, sdf
+from img_recog_helpers.sdf import BUILT_IN, sdf
 
 LINK = '<link name="l"><pose>0 0 1 0 0 0</pose></link>'
 CONFIG = ('<model><name>n</name><sdf version="1.4">old.sdf</sdf>'

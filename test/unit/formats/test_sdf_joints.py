@@ -3,7 +3,7 @@ import numpy as np
 import pybullet
 import pytest
 
-from img_recog_testing.sdf import INERTIAL, convert, load
+from img_recog_helpers.sdf import INERTIAL, convert, load
 
 LINK = '<link name="{}"><pose>{} 0 0 0</pose>' + INERTIAL + '</link>'
 JOINT = '<joint name="{}" type="{}"><parent>{}</parent><child>{}</child>{}</joint>'

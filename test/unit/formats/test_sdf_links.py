@@ -9,7 +9,7 @@ from img_recog.formats import sdf_files, sdf_links
 from img_recog.formats.meshes import mesh_file
 from img_recog.model import BOX, CYLINDER, MESH, PLANE, SPHERE, WHITE, WHOLE, Shape, Submesh
 from img_recog.rotations import IDENTITY, transform
-from img_recog_testing.refusals import refusal
+from img_recog_helpers.refusals import refusal
 
 
 def read(geometry, tag='collision', pose=IDENTITY, material='', find=lambda uri: None):

@@ -5,8 +5,8 @@ import pytest
 from img_recog.formats import generated_meshes, world_file
 from img_recog.formats.meshes import mesh_file
 from img_recog.model import NO_INERTIA
-from img_recog_testing.refusals import refusal
-from img_recog_testing.sdf import sdf
+from img_recog_helpers.refusals import refusal
+from img_recog_helpers.sdf import sdf
 
 POPULATION = ('<population name="cans"><pose>10 0 1 0 0 0</pose><model name="can">'
               '<pose>0 0 0.1 0 0 0</pose><link name="l"/></model>{}</population>')

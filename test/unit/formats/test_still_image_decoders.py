@@ -14,7 +14,7 @@ from img_recog.camera.image_source import read_image
 from img_recog.conversions.compressed_image_msgs import from_msg
 from img_recog.conversions.image_msgs import ImageError
 from img_recog.formats import still_images
-from img_recog_testing import bombs
+from img_recog_helpers import bombs
 
 RNG = np.random.RandomState(11)
 COLOR = RNG.randint(0, 256, (64, 96, 3)).astype(np.uint8)

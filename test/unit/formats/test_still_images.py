@@ -18,8 +18,8 @@ from img_recog.conversions import image_msgs
 from img_recog.conversions.compressed_image_msgs import from_msg
 from img_recog.conversions.image_msgs import ImageError
 from img_recog.formats import still_images
-from img_recog_testing import bombs
-from img_recog_testing.fake_decoder import FakeDecoder
+from img_recog_helpers import bombs
+from img_recog_helpers.fake_decoder import FakeDecoder
 
 HEADERS = bombs.headers()
 TOO_LARGE = '20000x20000 are 400000000 pixels, more than max_image_pixels = 50000000'

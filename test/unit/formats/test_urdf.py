@@ -6,9 +6,9 @@ from img_recog.model import BOX, CAPSULE, CYLINDER, MESH, SPHERE, Look, Material
 from img_recog.simulation.robot_spec import read_robot
 from img_recog.simulation.pictures import visual_scene
 from img_recog.simulation.pictures.visual_scene import Parts
-from img_recog_testing.parsed import given
-from img_recog_testing.refusals import refusal
-from img_recog_testing.robots import assemble, burger
+from img_recog_helpers.parsed import given
+from img_recog_helpers.refusals import refusal
+from img_recog_helpers.robots import assemble, burger
 
 VISUAL = '<visual><geometry><box size="1 1 1"/></geometry>{}</visual>'
 ROBOT = ('<robot name="r"><link name="a">' + VISUAL.format('<material name="mine"/>')

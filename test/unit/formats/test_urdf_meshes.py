@@ -12,8 +12,8 @@ from img_recog.simulation.physics.client import connect
 from img_recog.simulation.robot_spec import RobotSpec
 from img_recog.simulation.settings import RobotSettings, SpawnSettings
 from img_recog.simulation.vehicle import Vehicle
-from img_recog_testing.parsed import given, lumped, part
-from img_recog_testing.robots import burgers_drive, read, simulator
+from img_recog_helpers.parsed import given, lumped, part
+from img_recog_helpers.robots import burgers_drive, read, simulator
 
 INERTIAL = ('<inertial><mass value="{}"/><inertia ixx="0.001" ixy="0" ixz="0" iyy="0.001" iyz="0" '
             'izz="0.001"/></inertial>')

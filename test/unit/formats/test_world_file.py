@@ -11,9 +11,9 @@ from img_recog.simulation import assembly
 from img_recog.simulation.physics.client import connect
 from img_recog.simulation.physics.world import World
 from img_recog.simulation.settings import PhysicsSettings
-from img_recog_testing.refusals import refusal
-from img_recog_testing.robots import WORLDS
-from img_recog_testing.sdf import BUILT_IN, CRATE, SHELF, sdf
+from img_recog_helpers.refusals import refusal
+from img_recog_helpers.robots import WORLDS
+from img_recog_helpers.sdf import BUILT_IN, CRATE, SHELF, sdf
 
 MESH = '<visual name="v"><geometry><mesh><uri>{}</uri></mesh></geometry></visual>'
 # a tetrahedron of 1 m at the origin

@@ -7,8 +7,8 @@ import pytest
 from img_recog.errors import UserError
 from img_recog.graph.reader import SystemReader, completed, counts_in, new_messages
 from img_recog.graph.system import Edge
-from img_recog_testing.waiting import DEADLINE_S
-from img_recog_testing.xmlrpc_server import XmlRpcServer
+from img_recog_helpers.waiting import DEADLINE_S
+from img_recog_helpers.xmlrpc_server import XmlRpcServer
 
 SENT, GOT = Edge('/cam', '/image', True), Edge('/eye', '/image', False)
 MORE = Edge('/other', '/image', True)

@@ -13,7 +13,7 @@ import pytest
 from img_recog.formats import world_file
 from img_recog.loading import robot_file
 from img_recog.model import SPHERE, Shape
-from img_recog_testing import refusals
+from img_recog_helpers import refusals
 
 URDF = '<robot name="r"><link name="a"/></robot>'
 XACRO = '''<robot name="box" xmlns:xacro="http://ros.org/wiki/xacro">

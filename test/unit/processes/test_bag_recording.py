@@ -14,8 +14,8 @@ import pytest
 from img_recog.errors import UserError, one_line
 from img_recog.processes.bag_recording import BagRecording, Recorder
 from img_recog.processes import bag_recording
-from img_recog_testing.pages import ROOT
-from img_recog_testing.waiting import DEADLINE_S, wait_for
+from img_recog_helpers.pages import ROOT
+from img_recog_helpers.waiting import DEADLINE_S, wait_for
 
 # rosrun with the arguments `rosbag record --quiet --lz4 --size=N -O PATH TOPICS`
 PROGRAM = '''#!/bin/sh

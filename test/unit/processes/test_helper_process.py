@@ -8,7 +8,7 @@ import time
 import pytest
 
 from img_recog.processes.helper_process import HelperProcess
-from img_recog_testing.waiting import DEADLINE_S, stretch, wait_for
+from img_recog_helpers.waiting import DEADLINE_S, stretch, wait_for
 
 pytestmark = pytest.mark.usefixtures('patient_helper')
 

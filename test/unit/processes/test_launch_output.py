@@ -5,7 +5,7 @@ import xml.etree.ElementTree as ElementTree
 import pytest
 
 from img_recog.processes.launch_output import PARTS, Death, LaunchOutput, describe, last_error
-from img_recog_testing.pages import ROOT
+from img_recog_helpers.pages import ROOT
 
 LOG = ('[rosout][INFO] 2026-01-31 10:00:00,000: it begins\n'
        '[rosout][ERROR] 2026-01-31 10:00:01,000: no camera\n'

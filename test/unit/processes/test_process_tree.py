@@ -8,7 +8,7 @@ import subprocess
 import pytest
 
 from img_recog.processes import process_tree
-from img_recog_testing.waiting import DEADLINE_S
+from img_recog_helpers.waiting import DEADLINE_S
 
 
 def in_fork(function, *args):

@@ -5,8 +5,8 @@ import pytest
 
 from img_recog.recognition.areas import ENCODINGS, ColorExtractor
 from img_recog.recognition.settings import with_colors
-from img_recog_testing import plain_opencv
-from img_recog_testing.extraction import extractor, random_image
+from img_recog_helpers import plain_opencv
+from img_recog_helpers.extraction import extractor, random_image
 
 # bgr8 pixels on both sides of each bound of the article, with their HSV by OpenCV
 BOUNDS = [

@@ -14,7 +14,7 @@ from img_recog.errors import UserError
 from img_recog.recordings.bag_file import BagFile, open_bag
 from img_recog.recordings.bags import BagFrames
 from img_recog.replay import film_job, plot_job
-from img_recog_testing.descriptors import times_open
+from img_recog_helpers.descriptors import times_open
 
 RAW = '/usb_cam/image_raw'
 UNPACKED = {'bz2': bz2.decompress, 'lz4': roslz4.decompress}

@@ -18,9 +18,9 @@ from img_recog.recordings import bag_file
 from img_recog.recordings.bags import BagFrames
 from img_recog.recordings.films import FilmFrames
 from img_recog.recordings.names import is_bag
-from img_recog_testing.descriptors import times_open
-from img_recog_testing.replaying import BLUE, RED, image
-from img_recog_testing.videos import VIDEO_RATE_HZ
+from img_recog_helpers.descriptors import times_open
+from img_recog_helpers.replaying import BLUE, RED, image
+from img_recog_helpers.videos import VIDEO_RATE_HZ
 
 RAW, COMPRESSED = '/usb_cam/image_raw', '/usb_cam/image_raw/compressed'
 

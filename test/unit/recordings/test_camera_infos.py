@@ -9,7 +9,7 @@ from img_recog.camera.calibration import Calibration
 from img_recog.errors import UserError
 from img_recog.recordings.bags import BagFrames
 from img_recog.recordings.camera_infos import of_calibration
-from img_recog_testing.replaying import frame
+from img_recog_helpers.replaying import frame
 
 CALIBRATION = Calibration('', 400, 80, 'plumb_bob', (0.1,) * 5,
                           (300.0, 0.0, 200.0, 0.0, 300.0, 40.0, 0.0, 0.0, 1.0), (0.0,) * 9,

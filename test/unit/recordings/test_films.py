@@ -6,7 +6,7 @@ from img_recog.camera.selection import open_file
 from img_recog.camera.source import FrameSkipped, SourceEnded
 from img_recog.errors import UserError
 from img_recog.recordings.films import FilmFrames
-from img_recog_testing.videos import smooth_image
+from img_recog_helpers.videos import smooth_image
 
 
 def save(path, number, *size):

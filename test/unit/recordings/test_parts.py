@@ -13,7 +13,7 @@ from img_recog.errors import UserError
 from img_recog.recordings import parts
 from img_recog.recordings.bags import BagFrames
 from img_recog.recordings.films import FilmFrames
-from img_recog_testing.videos import smooth_image
+from img_recog_helpers.videos import smooth_image
 
 COUNT = 90
 

@@ -11,7 +11,7 @@ from img_recog.model import BOX, Shape
 from img_recog.rendering import matrices
 from img_recog.rendering.camera import Camera
 from img_recog.rendering.opengl import Renderer
-from img_recog_testing.drawn import BACKGROUND, scene, visual
+from img_recog_helpers.drawn import BACKGROUND, scene, visual
 
 CAMERA = Camera(120, 90, math.radians(70), 0.1, 60.0)
 FLOOR_AMBIENT, FLOOR_DIFFUSE = 0.3, 0.7

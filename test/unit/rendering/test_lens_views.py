@@ -12,7 +12,7 @@ from img_recog.rendering import lens_views, matrices
 from img_recog.rendering.camera import Camera, View, Window
 from img_recog.rendering.opengl import Renderer
 from img_recog.rendering.rays import directions
-from img_recog_testing.drawn import HERE, RED, at, centroid, scene, sky_color, visual
+from img_recog_helpers.drawn import HERE, RED, at, centroid, scene, sky_color, visual
 
 SIZE = 320, 240
 TYPES = {kind: lenses.scaled_to(lenses.of_type(kind), 2.4) for kind in lenses.TYPES[:-1]}

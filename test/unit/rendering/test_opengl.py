@@ -11,7 +11,7 @@ from img_recog.model import (BOX, CYLINDER, MESH, PLANE, SPHERE, Material, Shape
 from img_recog.rendering import matrices
 from img_recog.rendering.camera import Camera
 from img_recog.rendering.opengl import Renderer
-from img_recog_testing.drawn import (BACKGROUND, BLUE, CAMERA, GREEN, HERE, RED, at, centroid,
+from img_recog_helpers.drawn import (BACKGROUND, BLUE, CAMERA, GREEN, HERE, RED, at, centroid,
                                      draw, loaded, looking_down, scene, sky_color, visual)
 
 SKY = Surroundings(background=BACKGROUND, has_sky=True)

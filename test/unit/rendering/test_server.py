@@ -9,9 +9,9 @@ from img_recog.model import Surroundings, VisualScene
 from img_recog.rendering import server
 from img_recog.rendering.camera import Camera
 from img_recog.rendering.server import Answer, Request, Shot
-from img_recog_testing import fake_renderers
-from img_recog_testing.fake_renderers import REFUSE
-from img_recog_testing.waiting import DEADLINE_S
+from img_recog_helpers import fake_renderers
+from img_recog_helpers.fake_renderers import REFUSE
+from img_recog_helpers.waiting import DEADLINE_S
 
 SCENE = VisualScene((), (False,), surroundings=Surroundings(background=(0.5, 0.5, 0.5)))
 POSES = np.array([[1.0, 2, 3, 0, 0, 0, 1]])

@@ -5,7 +5,7 @@ from PIL import Image
 
 from img_recog.formats import world_file
 from img_recog.model import Visual
-from img_recog_testing.drawn import draw, looking_down
+from img_recog_helpers.drawn import draw, looking_down
 
 COLLADA = '''<COLLADA version="1.4.1" xmlns="http://www.collada.org/2005/11/COLLADASchema">
 <library_geometries><geometry id="g"><mesh><source id="x"><float_array count="12">

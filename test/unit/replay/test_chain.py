@@ -3,8 +3,8 @@ import pytest
 
 from img_recog.recognition.settings import with_colors
 from img_recog.replay.chain import RECOGNITION, TELEOP, Chain, ColorRecognition
-from img_recog_testing import robots
-from img_recog_testing.replaying import BLUE, RED, EventLog, frame
+from img_recog_helpers import robots
+from img_recog_helpers.replaying import BLUE, RED, EventLog, frame
 
 MS = 10 ** 6
 PERIOD = 40 * MS

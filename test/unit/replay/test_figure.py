@@ -9,7 +9,7 @@ import pytest
 from img_recog.recognition.settings import with_colors
 from img_recog.replay import figure
 from img_recog.replay.plot_data import PlotData
-from img_recog_testing.figures import assert_unchanged, of_matplotlib
+from img_recog_helpers.figures import assert_unchanged, of_matplotlib
 
 TWO = with_colors()(red_area_limit=400).colors
 FIVE = with_colors(['blue', 'red', 'c', 'd', 'e'])(

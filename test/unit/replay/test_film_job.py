@@ -25,7 +25,7 @@ from img_recog.conversions.compressed_image_msgs import CompressionSettings
 from img_recog.conversions.plane_msgs import PlanePose
 from img_recog.recordings import bags
 from img_recog.replay import film_job
-from img_recog_testing.films import BLUE, ROBOT, SQUARE, card, center_of, frames_of
+from img_recog_helpers.films import BLUE, ROBOT, SQUARE, card, center_of, frames_of
 
 pytestmark = pytest.mark.usefixtures('handlers_as_before')
 SIGNALS = signal.SIGINT, signal.SIGTERM, signal.SIGHUP

@@ -9,8 +9,8 @@ from img_recog.recognition.settings import with_colors
 from img_recog.replay import film_parts
 from img_recog.replay.film_picture import (HEIGHT, WIDTH, FilmPicture, line_colors,
                                            masks_grid)
-from img_recog_testing.figures import assert_unchanged
-from img_recog_testing.films import BLUE, PATH, ROBOT, SQUARE, card, center_of, draw
+from img_recog_helpers.figures import assert_unchanged
+from img_recog_helpers.films import BLUE, PATH, ROBOT, SQUARE, card, center_of, draw
 
 SETTINGS = with_colors()()
 PAGE = (246, 244, 243)

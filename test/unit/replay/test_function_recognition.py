@@ -12,7 +12,7 @@ from img_recog.recognition.commands import Command
 from img_recog.recordings.camera_infos import of_calibration
 from img_recog.recordings.frames import Frame
 from img_recog.replay.function_recognition import FunctionRecognition, UserFunction, load
-from img_recog_testing.replaying import BLUE, frame
+from img_recog_helpers.replaying import BLUE, frame
 
 TWIST = Twist(Vector3(0.5, 0.25, 0.0), Vector3(0.0, 0.0, -1))
 WITHOUT_LINEAR = Twist()

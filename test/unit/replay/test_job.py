@@ -16,7 +16,7 @@ from img_recog.loading import resources
 from img_recog.replay import cli, figure, job
 from img_recog.replay.plot_data import PlotData
 from img_recog.simulation.settings import SpawnSettings
-from img_recog_testing.calibrations import KNOWN
+from img_recog_helpers.calibrations import KNOWN
 
 
 class FakeFigure:

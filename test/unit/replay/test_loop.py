@@ -4,7 +4,7 @@ import threading
 import pytest
 
 from img_recog.replay.loop import prefetch
-from img_recog_testing.waiting import wait_for
+from img_recog_helpers.waiting import wait_for
 
 
 @pytest.mark.parametrize('count', [0, 1, 3, 4, 5, 1000])

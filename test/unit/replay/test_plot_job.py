@@ -18,8 +18,8 @@ from img_recog.replay import plot_job
 from img_recog.replay.drive import Drive
 from img_recog.recordings.bag_file import BagFile
 from img_recog.replay.plot_data import PlotColor
-from img_recog_testing.films import SQUARE
-from img_recog_testing.xmlrpc_server import XmlRpcServer
+from img_recog_helpers.films import SQUARE
+from img_recog_helpers.xmlrpc_server import XmlRpcServer
 
 pytestmark = pytest.mark.usefixtures('handlers_as_before')
 COLORS = with_colors()().colors

@@ -19,8 +19,8 @@ from img_recog.replay.recorders import BagRecorder, PlotRecorder, TableRecorder
 from img_recog.simulation.physics.body import Motion
 from img_recog.simulation.physics.footprints import footprints
 from img_recog.simulation.sensors.odometry import OdometrySettings
-from img_recog_testing import robots
-from img_recog_testing.replaying import BLUE, RED, EventLog, frame
+from img_recog_helpers import robots
+from img_recog_helpers.replaying import BLUE, RED, EventLog, frame
 
 START_NS = 1600000000 * 10 ** 9 + 123
 PERIOD_NS = 40 * 10 ** 6

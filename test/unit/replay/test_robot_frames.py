@@ -8,8 +8,8 @@ from img_recog.errors import SimulationError
 from img_recog.rendering.light import LightSettings
 from img_recog.replay.robot_frames import RobotFrames
 from img_recog.simulation.settings import CameraSettings
-from img_recog_testing.robots import assemble
-from img_recog_testing.sdf import BUILT_IN, sdf
+from img_recog_helpers.robots import assemble
+from img_recog_helpers.sdf import BUILT_IN, sdf
 
 SETTINGS = CameraSettings(camera_frame='base_link', camera_z=0.15, camera_x=0.05, camera_width=64,
                           camera_height=48, camera_rate=30.0, camera_optical_frame='lens')

@@ -5,8 +5,8 @@ from img_recog.errors import UserError
 from img_recog.loading import resources
 from img_recog.replay import scenario
 from img_recog.simulation.settings import CameraSettings, SpawnSettings
-from img_recog_testing import robots
-from img_recog_testing.robots import assemble, burger
+from img_recog_helpers import robots
+from img_recog_helpers.robots import assemble, burger
 
 DRIVE = '''<gazebo><plugin name="drive" filename="libgazebo_ros_diff_drive.so">
   <leftJoint>wheel_left_joint</leftJoint><rightJoint>wheel_right_joint</rightJoint>

@@ -9,8 +9,8 @@ from diagnostic_updater import DiagnosticStatusWrapper
 from img_recog.ros import diagnostics
 from img_recog.ros.diagnostics import (Counter, Durations, NodeDiagnostics, Refusals, add_counter,
                                        add_durations, add_refusals)
-from img_recog_testing.statuses import values
-from img_recog_testing.waiting import DEADLINE_S, stretch, wait_for
+from img_recog_helpers.statuses import values
+from img_recog_helpers.waiting import DEADLINE_S, stretch, wait_for
 
 OK, WARN = DiagnosticStatus.OK, DiagnosticStatus.WARN
 

@@ -8,7 +8,7 @@ from std_msgs.msg import String
 
 from img_recog.errors import UserError
 from img_recog.ros import lifecycle
-from img_recog_testing.waiting import DEADLINE_S
+from img_recog_helpers.waiting import DEADLINE_S
 
 
 @pytest.fixture

@@ -9,7 +9,7 @@ import pytest
 
 from img_recog.ros import queues
 from img_recog.ros.queues import CallQueue, LatestValue
-from img_recog_testing.waiting import DEADLINE_S, wait_for
+from img_recog_helpers.waiting import DEADLINE_S, wait_for
 
 
 class Asker(threading.Thread):

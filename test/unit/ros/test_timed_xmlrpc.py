@@ -7,8 +7,8 @@ import pytest
 
 from img_recog.ros import timed_xmlrpc
 from img_recog.ros.timed_xmlrpc import Master
-from img_recog_testing.waiting import DEADLINE_S
-from img_recog_testing.xmlrpc_server import XmlRpcServer
+from img_recog_helpers.waiting import DEADLINE_S
+from img_recog_helpers.xmlrpc_server import XmlRpcServer
 
 
 @pytest.fixture

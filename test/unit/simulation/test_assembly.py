@@ -7,9 +7,9 @@ import pytest
 from img_recog.simulation.sensors.laser_scanner import ScanSettings
 from img_recog.simulation.sensors.odometry import OdometrySettings
 from img_recog.simulation.settings import RobotSettings
-from img_recog_testing.refusals import refusal
-from img_recog_testing.robots import assemble, burger, burgers_drive, read
-from img_recog_testing.sdf import BUILT_IN, CRATE, sdf
+from img_recog_helpers.refusals import refusal
+from img_recog_helpers.robots import assemble, burger, burgers_drive, read
+from img_recog_helpers.sdf import BUILT_IN, CRATE, sdf
 
 TAGS = '''<gazebo><plugin name="drive" filename="libgazebo_ros_diff_drive.so">
   <leftJoint>wheel_left_joint</leftJoint><rightJoint>wheel_right_joint</rightJoint>

@@ -9,8 +9,8 @@ from img_recog.formats.world_file import WorldFile
 from img_recog.simulation import assembly
 from img_recog.simulation.models import Models
 from img_recog.simulation.settings import PhysicsSettings
-from img_recog_testing.robots import simulator
-from img_recog_testing.sdf import BOX, BUILT_IN, INERTIAL, convert, sdf
+from img_recog_helpers.robots import simulator
+from img_recog_helpers.sdf import BOX, BUILT_IN, INERTIAL, convert, sdf
 
 WALL = ('<link name="wall"><pose>2 0 0 0 0 0</pose>'
         + BOX.format('collision', '', '0.2 9 9') + '</link>')

@@ -7,7 +7,7 @@ from img_recog.simulation.physics.client import connect
 from img_recog.simulation.physics.world import World
 from img_recog.simulation.settings import PhysicsSettings
 from img_recog.simulation.simulator import Simulator
-from img_recog_testing.sdf import BUILT_IN, sdf
+from img_recog_helpers.sdf import BUILT_IN, sdf
 
 JOINT = '<joint name="{}" type="{}"><parent>{}</parent><child>{}</child>{}</joint>'
 MODEL = ('<model name="m"><pose>0 0 2 0 0 0.3</pose><link name="a"><inertial>'

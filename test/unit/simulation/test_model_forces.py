@@ -6,7 +6,7 @@ import pytest
 from img_recog.errors import SimulationError
 from img_recog.simulation.model_forces import ModelForces
 from img_recog.simulation.models import Models
-from img_recog_testing.robots import simulator
+from img_recog_helpers.robots import simulator
 
 ARM = '''<model name="{0}"><pose>{1} 0 0 0 0 0</pose>
   <link name="base"><pose>0 0 1 0 0 0</pose></link>

@@ -11,8 +11,8 @@ from img_recog.simulation.models import Models, State
 from img_recog.simulation.pictures.visual_scene import Parts
 from img_recog.simulation.sensors.imu import ImuSettings
 from img_recog.simulation.sensors.odometry import OdometrySettings
-from img_recog_testing.robots import simulator
-from img_recog_testing.sdf import BUILT_IN
+from img_recog_helpers.robots import simulator
+from img_recog_helpers.sdf import BUILT_IN
 
 ROBOT = 'turtlebot3_burger'
 UPRIGHT = (0.0, 0.0, 0.0, 1.0)

@@ -3,8 +3,8 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from img_recog_testing.robots import assemble
-from img_recog_testing.sdf import BUILT_IN, sdf
+from img_recog_helpers.robots import assemble
+from img_recog_helpers.sdf import BUILT_IN, sdf
 
 TERRAIN = ('<model name="hills"><static>1</static><link name="l"><collision name="c"><geometry>{}'
            '</geometry></collision></link></model>')

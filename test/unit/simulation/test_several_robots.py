@@ -10,8 +10,8 @@ from img_recog.formats import world_file
 from img_recog.simulation import assembly
 from img_recog.simulation.sensors.laser_scanner import ScanSettings
 from img_recog.simulation.settings import PhysicsSettings
-from img_recog_testing.robots import WORLDS, burger, read
-from img_recog_testing.robots import settings_of as settings
+from img_recog_helpers.robots import WORLDS, burger, read
+from img_recog_helpers.robots import settings_of as settings
 
 COMMANDS = ((0.2, 0.0), (10.0, 0.4), (-10.0, 0.0), (0.0, 2.0))
 PLACES = ((-2.0, -0.5, 0.0), (0.5, 0.55, 1.0), (-0.5, -1.6, 2.0), (1.6, 0.55, -1.0),

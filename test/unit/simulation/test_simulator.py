@@ -9,7 +9,7 @@ from img_recog.errors import SimulationError
 from img_recog.simulation.sensors.imu import ImuSettings
 from img_recog.simulation.sensors.joint_states import JointStateSettings
 from img_recog.simulation.sensors.odometry import OdometrySettings
-from img_recog_testing.robots import burger, burgers_drive, simulator
+from img_recog_helpers.robots import burger, burgers_drive, simulator
 
 SENSORS = ('odometry', 'joint_states', 'imu', 'scan')
 

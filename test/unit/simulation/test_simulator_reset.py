@@ -4,7 +4,7 @@ import math
 import pybullet
 import pytest
 
-from img_recog_testing.robots import simulator
+from img_recog_helpers.robots import simulator
 
 
 def test_reset_world_keeps_time_and_forgets_the_command():

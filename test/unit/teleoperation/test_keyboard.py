@@ -9,7 +9,7 @@ from unittest import mock
 import pytest
 
 from img_recog.teleoperation.keyboard import Keyboard
-from img_recog_testing.waiting import DEADLINE_S
+from img_recog_helpers.waiting import DEADLINE_S
 
 
 @pytest.fixture

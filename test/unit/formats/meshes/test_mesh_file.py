@@ -11,7 +11,7 @@ from img_recog.formats.meshes import mesh_file
 from img_recog.formats.meshes.mesh_file import MeshError
 from img_recog.formats.textures import TextureError
 from img_recog.model import WHITE, Submesh
-from img_recog_testing import bombs
+from img_recog_helpers import bombs
 
 COLLADA = '''<COLLADA version="1.4.1" xmlns="http://www.collada.org/2005/11/COLLADASchema">
 <asset><unit name="inch" meter="0.0254"/><up_axis>Y_UP</up_axis></asset>

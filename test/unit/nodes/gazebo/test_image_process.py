@@ -14,10 +14,10 @@ from img_recog.nodes.gazebo import image_process
 from img_recog.nodes.gazebo.image_process import ImageProcess
 from img_recog.rendering.camera import Camera
 from img_recog.rendering.server import Shot
-from img_recog_testing import fake_renderers
-from img_recog_testing.fake_renderers import DIE, HANG, REFUSE
-from img_recog_testing.statuses import report
-from img_recog_testing.waiting import DEADLINE_S, wait_for
+from img_recog_helpers import fake_renderers
+from img_recog_helpers.fake_renderers import DIE, HANG, REFUSE
+from img_recog_helpers.statuses import report
+from img_recog_helpers.waiting import DEADLINE_S, wait_for
 
 pytestmark = pytest.mark.usefixtures('patient_helper')
 

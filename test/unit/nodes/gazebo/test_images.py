@@ -9,7 +9,7 @@ from img_recog.nodes.gazebo.images import Images
 from img_recog.simulation.names import Names
 from img_recog.simulation.pictures.view import ABOVE, follow, horizontal_fov
 from img_recog.simulation.settings import CameraSettings, ViewSettings
-from img_recog_testing import robots
+from img_recog_helpers import robots
 
 CAMERA = CameraSettings(camera_frame='base_link', camera_width=32, camera_height=24,
                         camera_rate=50.0, camera_optical_frame='lens',

@@ -4,9 +4,9 @@ import pytest
 from img_recog.nodes.gazebo.topic_checks import check_topics
 from img_recog.simulation.names import Names
 from img_recog.simulation.settings import CameraSettings
-from img_recog_testing import robots
-from img_recog_testing.refusals import refusal
-from img_recog_testing.robots import burger, read
+from img_recog_helpers import robots
+from img_recog_helpers.refusals import refusal
+from img_recog_helpers.robots import burger, read
 
 CAMERA = CameraSettings(camera_frame='base_link', camera_image_topic='eye/image',
                         camera_info_topic='eye/info')

@@ -6,8 +6,8 @@ import pytest
 from img_recog.nodes.robots import robot_nodes
 from img_recog.nodes.robots.robot_list import NodeSettings, RobotRow
 from img_recog.nodes.robots.robot_nodes import RobotNodes
-from img_recog_testing.pages import launch_arguments
-from img_recog_testing.waiting import DEADLINE_S, wait_for
+from img_recog_helpers.pages import launch_arguments
+from img_recog_helpers.waiting import DEADLINE_S, wait_for
 
 ROBOT = RobotRow('tb3_1', NodeSettings(
     urdf='/u', colors='/c/colors.yaml', camera='/films/a b.mp4', teleop=False, safe=True), {})

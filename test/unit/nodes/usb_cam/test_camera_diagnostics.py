@@ -4,7 +4,7 @@ from diagnostic_msgs.msg import DiagnosticStatus
 
 from img_recog.camera.synthetic import SyntheticSource
 from img_recog.nodes.usb_cam.diagnostics import CameraDiagnostics
-from img_recog_testing.statuses import report
+from img_recog_helpers.statuses import report
 
 
 @pytest.fixture

@@ -3,7 +3,7 @@ import threading
 
 import pytest
 
-from img_recog_testing.waiting import wait_for
+from img_recog_helpers.waiting import wait_for
 
 
 @pytest.fixture

@@ -12,7 +12,7 @@ from img_recog.errors import UserError
 from img_recog.nodes.web import color_samples, color_tuning
 from img_recog.nodes.web.color_samples import ColorSamples
 from img_recog.recognition.fitting.offers import Offer
-from img_recog_testing.waiting import wait_for
+from img_recog_helpers.waiting import wait_for
 
 RECTANGLE = 0.1, 0.1, 0.3, 0.3
 

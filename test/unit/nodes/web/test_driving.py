@@ -10,7 +10,7 @@ from img_recog.nodes.web.driving import HOLD_S, Driving, Speeds, yield_services
 from img_recog.ros import stopping_publisher
 from img_recog.ros.timed_xmlrpc import State
 from img_recog.teleoperation.settings import VelocityLimits
-from img_recog_testing.waiting import DEADLINE_S, wait_for
+from img_recog_helpers.waiting import DEADLINE_S, wait_for
 
 
 # each step: the time in HOLD_S, who, its linear speed or None for a release, whether that is

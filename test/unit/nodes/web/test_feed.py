@@ -10,7 +10,7 @@ from img_recog.nodes.web import feed
 from img_recog.nodes.web.feed import Feed
 from img_recog.nodes.web.pictures import Picture
 from img_recog.nodes.web.updates import Updates
-from img_recog_testing.waiting import DEADLINE_S, stretch
+from img_recog_helpers.waiting import DEADLINE_S, stretch
 
 CAMERA, BLUE = '/usb_cam/image_raw', '/blue_image'
 RATE_HZ = 200.0

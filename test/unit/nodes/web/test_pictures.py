@@ -9,7 +9,7 @@ from std_msgs.msg import Header
 from img_recog.conversions import image_msgs
 from img_recog.nodes.web import pictures
 from img_recog.nodes.web.pictures import PictureTopics
-from img_recog_testing.waiting import wait_for
+from img_recog_helpers.waiting import wait_for
 
 
 @pytest.fixture

@@ -9,8 +9,8 @@ import pytest
 from img_recog.errors import UserError
 from img_recog.nodes.web import server
 from img_recog.nodes.web.server import Server, address, listen
-from img_recog_testing import connecting
-from img_recog_testing.waiting import DEADLINE_S, wait_for
+from img_recog_helpers import connecting
+from img_recog_helpers.waiting import DEADLINE_S, wait_for
 
 
 def free_port():

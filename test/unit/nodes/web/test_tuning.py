@@ -8,7 +8,7 @@ from dynamic_reconfigure import DynamicReconfigureCallbackException
 
 from img_recog.nodes.web import tuning
 from img_recog.nodes.web.tuning import Tuning
-from img_recog_testing.waiting import DEADLINE_S, wait_for
+from img_recog_helpers.waiting import DEADLINE_S, wait_for
 
 
 class Client:

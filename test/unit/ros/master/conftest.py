@@ -3,8 +3,8 @@ import threading
 
 import pytest
 
-from img_recog_testing.waiting import DEADLINE_S
-from img_recog_testing.xmlrpc_server import XmlRpcServer
+from img_recog_helpers.waiting import DEADLINE_S
+from img_recog_helpers.xmlrpc_server import XmlRpcServer
 
 
 class FakeMaster:

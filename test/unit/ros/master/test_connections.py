@@ -2,7 +2,7 @@
 import pytest
 
 from img_recog.ros.master.connections import Connections
-from img_recog_testing.xmlrpc_server import XmlRpcServer
+from img_recog_helpers.xmlrpc_server import XmlRpcServer
 
 DEAD = 'http://127.0.0.1:9/'
 

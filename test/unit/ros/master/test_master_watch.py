@@ -6,7 +6,7 @@ import rospy
 
 from img_recog.ros.master import master_watch
 from img_recog.ros.master.master_watch import MasterWatch
-from img_recog_testing.waiting import DEADLINE_S
+from img_recog_helpers.waiting import DEADLINE_S
 
 URI = 'http://node:1/'
 PARAMETERS = {'/node/rate': 30, '/node/name': 'x', '/use_sim_time': True,

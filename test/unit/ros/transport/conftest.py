@@ -5,7 +5,7 @@ import pytest
 import rospy
 
 from img_recog.ros.transport.switch import VARIABLE
-from img_recog_testing.tcpros import PublisherEnd, SubscriberEnd
+from img_recog_helpers.tcpros import PublisherEnd, SubscriberEnd
 
 _numbers = itertools.count()
 

@@ -10,8 +10,8 @@ from sensor_msgs.msg import Imu
 from std_msgs.msg import String
 
 from img_recog.ros.transport.direct_publisher import DirectPublisher
-from img_recog_testing.tcpros import packet
-from img_recog_testing.waiting import DEADLINE_S, wait_for
+from img_recog_helpers.tcpros import packet
+from img_recog_helpers.waiting import DEADLINE_S, wait_for
 
 _FIRST_TOO_HIGH_FOR_SELECT = 1024
 

@@ -7,8 +7,8 @@ from sensor_msgs.msg import Image
 
 from img_recog.ros.transport import image_subscriber
 from img_recog.ros.transport.image_subscriber import ImageSubscriber
-from img_recog_testing.tcpros import packet
-from img_recog_testing.waiting import DEADLINE_S
+from img_recog_helpers.tcpros import packet
+from img_recog_helpers.waiting import DEADLINE_S
 
 SIZE = 5000
 

@@ -10,8 +10,8 @@ from sensor_msgs.msg import Image, PointCloud2, PointField
 from std_msgs.msg import Header
 
 from img_recog.ros.transport.image_publisher import ImagePublisher, LargePublisher
-from img_recog_testing.extraction import random_image
-from img_recog_testing.waiting import wait_for
+from img_recog_helpers.extraction import random_image
+from img_recog_helpers.waiting import wait_for
 
 LARGE = (480, 640, 3)       # larger than the buffers of a socket pair
 

@@ -8,8 +8,8 @@ import rospy
 from sensor_msgs.msg import Image
 
 from img_recog.ros.transport.image_subscriber import ImageSubscriber
-from img_recog_testing.tcpros import packet
-from img_recog_testing.waiting import DEADLINE_S, wait_for
+from img_recog_helpers.tcpros import packet
+from img_recog_helpers.waiting import DEADLINE_S, wait_for
 
 
 def image(seed, height=48, width=64, encoding='rgb8', frame_id='camera'):

@@ -6,7 +6,7 @@ from std_msgs.msg import Header, String
 from img_recog.ros.transport.direct_publisher import DirectPublisher
 from img_recog.ros.transport.image_publisher import ImagePublisher
 from img_recog.ros.transport.redelivery import Redelivery
-from img_recog_testing.wire import packet
+from img_recog_helpers.wire import packet
 
 pytestmark = pytest.mark.usefixtures('fast')
 

@@ -12,7 +12,7 @@ from std_msgs.msg import String
 
 from img_recog.ros.transport import registration
 from img_recog.ros.transport.switch import VARIABLE
-from img_recog_testing.waiting import wait_for
+from img_recog_helpers.waiting import wait_for
 
 
 @pytest.fixture

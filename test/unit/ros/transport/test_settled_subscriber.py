@@ -5,8 +5,8 @@ import pytest
 from std_msgs.msg import String
 
 from img_recog.ros.transport.settled_subscriber import SettledSubscriber
-from img_recog_testing.waiting import wait_for
-from img_recog_testing.wire import packet
+from img_recog_helpers.waiting import wait_for
+from img_recog_helpers.wire import packet
 
 pytestmark = pytest.mark.usefixtures('fast')
 

@@ -6,7 +6,7 @@ import pytest
 
 from img_recog import rotations
 from img_recog.simulation.physics.body import Pose, motion_of_frame
-from img_recog_testing import robots
+from img_recog_helpers import robots
 
 TURNED = (0.0, 0.0, math.sin(0.4), math.cos(0.4))
 

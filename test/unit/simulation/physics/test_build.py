@@ -14,8 +14,8 @@ from img_recog.model import (BOX, FIXED, PLANE, SPHERE, WHOLE, Joint, Link, Look
 from img_recog.rotations import IDENTITY, transform
 from img_recog.simulation.physics import build, mesh_cache
 from img_recog.simulation.physics.client import connect
-from img_recog_testing.parsed import given
-from img_recog_testing.refusals import refusal
+from img_recog_helpers.parsed import given
+from img_recog_helpers.refusals import refusal
 
 
 @pytest.fixture(params=[-1, 0, 7])

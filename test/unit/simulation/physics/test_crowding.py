@@ -8,8 +8,8 @@ from img_recog.simulation.models import Models, State
 from img_recog.simulation.physics.client import connect
 from img_recog.simulation.physics.world import World
 from img_recog.simulation.settings import PhysicsSettings
-from img_recog_testing.robots import simulator
-from img_recog_testing.sdf import BOX, CRATE, INERTIAL, sdf
+from img_recog_helpers.robots import simulator
+from img_recog_helpers.sdf import BOX, CRATE, INERTIAL, sdf
 
 HERE = State((0.0, 0.0, 0.0), (0.0, 0.0, 0.0, 1.0), (0.0, 0.0, 0.0), (0.0, 0.0, 0.0))
 

@@ -5,7 +5,7 @@ import pytest
 
 from img_recog.simulation.physics.differential_drive import DifferentialDrive
 from img_recog.simulation.physics.robot import Motors
-from img_recog_testing.robots import burgers_drive
+from img_recog_helpers.robots import burgers_drive
 
 RADIUS = 0.033
 

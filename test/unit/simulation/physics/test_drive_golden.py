@@ -4,7 +4,7 @@ import pybullet
 import pytest
 
 from img_recog.simulation.physics.client import link_indices
-from img_recog_testing import robots
+from img_recog_helpers import robots
 
 
 @pytest.fixture(scope='module')

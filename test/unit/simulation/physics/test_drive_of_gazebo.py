@@ -6,8 +6,8 @@ import math
 
 import pytest
 
-from img_recog_testing.robots import burger
-from img_recog_testing.wheeled import assembled, plugin
+from img_recog_helpers.robots import burger
+from img_recog_helpers.wheeled import assembled, plugin
 
 DRIVE = plugin(
     'gazebo_ros_diff_drive', leftJoint='wheel_left_joint', rightJoint='wheel_right_joint',

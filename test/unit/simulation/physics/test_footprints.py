@@ -9,7 +9,7 @@ from img_recog.simulation.physics.client import connect
 from img_recog.simulation.physics.footprints import footprints
 from img_recog.simulation.physics.world import World
 from img_recog.simulation.settings import PhysicsSettings
-from img_recog_testing import robots
+from img_recog_helpers import robots
 
 SHAPES = '''<robot name="shapes">
   <link name="world"><inertial><mass value="0"/>

@@ -7,7 +7,7 @@ import pytest
 
 from img_recog import rotations
 from img_recog.checks.simulation_run import Options, Run
-from img_recog_testing.wheeled import assembled, plugin, robot, velocity
+from img_recog_helpers.wheeled import assembled, plugin, robot, velocity
 
 WORLD = ('<sdf version="1.6"><world name="w"><include><uri>model://ground_plane</uri></include>{}'
          '</world></sdf>')

@@ -13,7 +13,7 @@ from img_recog.simulation.physics.client import connect
 from img_recog.simulation.physics.world import World
 from img_recog.simulation.settings import PhysicsSettings
 from img_recog.simulation.simulator import Simulator
-from img_recog_testing.sdf import BUILT_IN, sdf
+from img_recog_helpers.sdf import BUILT_IN, sdf
 
 INERTIAL = ('<inertial><mass>1</mass><inertia><ixx>{0}</ixx><iyy>{1}</iyy><izz>{1}</izz></inertia>'
             '</inertial>')

@@ -7,7 +7,7 @@ from img_recog.simulation.physics.client import connect
 from img_recog.simulation.physics.world import World
 from img_recog.simulation.settings import PhysicsSettings
 from img_recog.simulation.simulator import Simulator
-from img_recog_testing.sdf import sdf
+from img_recog_helpers.sdf import sdf
 
 LINK = ('<link name="{}"><pose>{} 0 0 0 0 0</pose><inertial><mass>1</mass><inertia><ixx>0.01</ixx>'
         '<iyy>0.01</iyy><izz>0.015</izz></inertia></inertial></link>')

@@ -6,7 +6,7 @@ from img_recog.formats import world_file
 from img_recog.simulation.physics.client import connect
 from img_recog.simulation.physics.world import World
 from img_recog.simulation.settings import PhysicsSettings
-from img_recog_testing.sdf import sdf
+from img_recog_helpers.sdf import sdf
 
 GROUND = '<include><uri>model://ground_plane</uri>{}</include>'
 INLINE = ('<model name="ground_plane"><pose>{}</pose><static>1</static><link name="link">{}</link>'

@@ -6,9 +6,9 @@ from img_recog.formats import world_file
 from img_recog.model import Tree
 from img_recog.simulation import assembly
 from img_recog.simulation.settings import PhysicsSettings
-from img_recog_testing.refusals import refusal
-from img_recog_testing.robots import read
-from img_recog_testing.wheeled import TURN_SHARE
+from img_recog_helpers.refusals import refusal
+from img_recog_helpers.robots import read
+from img_recog_helpers.wheeled import TURN_SHARE
 
 INERTIAL = ('<inertial><mass value="{}"/><inertia ixx="{}" ixy="{}" ixz="0" iyy="{}" iyz="0" '
             'izz="{}"/></inertial>')

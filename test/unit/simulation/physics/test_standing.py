@@ -7,8 +7,8 @@ from img_recog.simulation import assembly
 from img_recog.simulation.models import Models, State
 from img_recog.simulation.physics import standing
 from img_recog.simulation.physics.body import Body, Pose
-from img_recog_testing.robots import assemble, burger, read, settings_of, simulator
-from img_recog_testing.sdf import BUILT_IN, sdf
+from img_recog_helpers.robots import assemble, burger, read, settings_of, simulator
+from img_recog_helpers.sdf import BUILT_IN, sdf
 
 UPRIGHT, REST = (0.0, 0.0, 0.0, 1.0), (0.0, 0.0, 0.0)
 NAME = 'turtlebot3_burger'

@@ -5,8 +5,8 @@ import pytest
 
 from img_recog.model import CYLINDER, MESH
 from img_recog.simulation.physics import tyres
-from img_recog_testing.parsed import given, part
-from img_recog_testing.wheeled import wheel_mesh
+from img_recog_helpers.parsed import given, part
+from img_recog_helpers.wheeled import wheel_mesh
 
 JOINTS = 'left', 'right'
 UPRIGHT = -math.pi / 2

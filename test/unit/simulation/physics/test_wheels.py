@@ -10,9 +10,9 @@ from img_recog.model import BOX, Shape, Solid
 from img_recog.simulation.physics import wheels
 from img_recog.simulation.physics.wheels import Wheels
 from img_recog.simulation.settings import DriveSettings
-from img_recog_testing import wheeled
-from img_recog_testing.parsed import given, lumped
-from img_recog_testing.robots import assemble, burger, burgers_drive, read
+from img_recog_helpers import wheeled
+from img_recog_helpers.parsed import given, lumped
+from img_recog_helpers.robots import assemble, burger, burgers_drive, read
 
 COLLISION = '<collision>\n      <geometry><cylinder radius="0.033" length="0.018"/></geometry>'
 TAG = ('<gazebo><plugin name="d" filename="libgazebo_ros_diff_drive.so"><leftJoint>'

@@ -8,8 +8,8 @@ from img_recog.rendering.camera import Camera
 from img_recog.rendering.opengl import Renderer
 from img_recog.simulation.pictures import visual_scene
 from img_recog.simulation.pictures.visual_scene import Parts
-from img_recog_testing.drawn import at, looking_down
-from img_recog_testing.robots import assemble
+from img_recog_helpers.drawn import at, looking_down
+from img_recog_helpers.robots import assemble
 
 TOLERANCE = 8
 CAMERA = Camera(160, 120, 1.0)

@@ -5,8 +5,8 @@ from img_recog.formats import world_file
 from img_recog.model import BOX, FIXED, Inertia, Joint, Link, Look, Material, Model, Shape, Solid
 from img_recog.rotations import IDENTITY
 from img_recog.simulation.pictures.link_colors import split_links_by_color
-from img_recog_testing.parsed import lumped
-from img_recog_testing.robots import WORLDS, burger
+from img_recog_helpers.parsed import lumped
+from img_recog_helpers.robots import WORLDS, burger
 
 
 @pytest.fixture(params=['burger', 'turtlebot3_world'])

@@ -11,8 +11,8 @@ from img_recog.simulation.physics.client import connect
 from img_recog.simulation.pictures import view, window
 from img_recog.simulation.pictures.scene import SceneCopy, poses_of, scene_of
 from img_recog.simulation.pictures.view import ABOVE, FIELD_OF_VIEW, follow
-from img_recog_testing import robots, wheeled
-from img_recog_testing.sdf import BUILT_IN, SHELF, sdf
+from img_recog_helpers import robots, wheeled
+from img_recog_helpers.sdf import BUILT_IN, SHELF, sdf
 
 LEFT = (0.0, 0.0, np.sqrt(0.5), np.sqrt(0.5))       # a quarter turn
 

@@ -9,7 +9,7 @@ from img_recog.simulation import assembly
 from img_recog.simulation.robot_spec import read_robot
 from img_recog.simulation.sensors import contact_sensor
 from img_recog.simulation.settings import PhysicsSettings
-from img_recog_testing import robots
+from img_recog_helpers import robots
 
 WALL = ('<sdf version="1.6"><model name="wall"><static>true</static><pose>1 0 0.5 0 0 0</pose>'
         '<link name="l"><collision name="above"><pose>0 0 2 0 0 0</pose><geometry><sphere>'

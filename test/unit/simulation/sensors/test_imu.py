@@ -4,7 +4,7 @@ import pytest
 
 from img_recog.errors import SimulationError
 from img_recog.simulation.sensors.imu import ImuSettings
-from img_recog_testing.robots import simulator
+from img_recog_helpers.robots import simulator
 
 QUIET = ImuSettings(gyro_noise=0.0, accel_noise=0.0)
 

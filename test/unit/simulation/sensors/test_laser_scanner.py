@@ -7,8 +7,8 @@ import pytest
 from img_recog.errors import SimulationError
 from img_recog.simulation.sensors.laser_scanner import ScanSettings
 from img_recog.simulation.settings import NoiseSettings
-from img_recog_testing import turtlebot3_world
-from img_recog_testing.robots import simulator
+from img_recog_helpers import turtlebot3_world
+from img_recog_helpers.robots import simulator
 
 ANGLES = np.linspace(0.0, 6.28319, 360)
 

@@ -7,7 +7,7 @@ from img_recog.formats import world_file
 from img_recog.formats.noises import Noise
 from img_recog.simulation import assembly
 from img_recog.simulation.settings import PhysicsSettings
-from img_recog_testing.sdf import BOX, sdf
+from img_recog_helpers.sdf import BOX, sdf
 
 WALL = '<link name="wall"><pose>2 0 0 0 0 0</pose>' + BOX.format('collision', '', '1 9 9')
 MODEL = ('<model name="m"><static>1</static><pose>0 0 9 0 0 0</pose>' + WALL + '</link><link '

@@ -8,7 +8,7 @@ from img_recog.settings import SettingError
 from img_recog.simulation.physics.differential_drive import DifferentialDrive
 from img_recog.simulation.sensors.odometry import EncoderOdometry, OdometrySettings
 from img_recog.simulation.sensors.sensor import Mount
-from img_recog_testing.robots import burgers_drive, simulator
+from img_recog_helpers.robots import burgers_drive, simulator
 
 ENCODER = OdometrySettings(odometry_source='encoder')
 

@@ -13,8 +13,8 @@ from img_recog.simulation import assembly
 from img_recog.simulation.sensors.laser_scanner import LaserScanner, ScanSettings
 from img_recog.simulation.sensors.sensor import Mount
 from img_recog.simulation.settings import PhysicsSettings
-from img_recog_testing import robots
-from img_recog_testing.refusals import refusal
+from img_recog_helpers import robots
+from img_recog_helpers.refusals import refusal
 
 WALL = ('<sdf version="1.6"><model name="wall"><static>true</static><pose>2.05 0 0.5 0 0 0</pose>'
         '<link name="l"><collision name="c"><geometry><box><size>0.1 8 {}</size></box></geometry>'

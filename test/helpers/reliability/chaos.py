@@ -5,16 +5,16 @@ import sys
 import time
 from typing import Dict, Iterable, Iterator, List, Optional, Sequence
 
-from img_recog_testing import process_table
-from img_recog_testing.process_table import Usage
-from img_recog_testing.reliability import faults, figures
-from img_recog_testing.reliability import demo as demos
-from img_recog_testing.reliability.chain import ChainError
-from img_recog_testing.reliability.demo import (LIMIT_S, NODES, START_LIMIT_S, STOP_LIMIT_S, Demo,
+from img_recog_helpers import process_table
+from img_recog_helpers.process_table import Usage
+from img_recog_helpers.reliability import faults, figures
+from img_recog_helpers.reliability import demo as demos
+from img_recog_helpers.reliability.chain import ChainError
+from img_recog_helpers.reliability.demo import (LIMIT_S, NODES, START_LIMIT_S, STOP_LIMIT_S, Demo,
                                                 node_name)
-from img_recog_testing.reliability.faults import Fault
-from img_recog_testing.signals import handle_ignored_signals
-from img_recog_testing.waiting import wait_for
+from img_recog_helpers.reliability.faults import Fault
+from img_recog_helpers.signals import handle_ignored_signals
+from img_recog_helpers.waiting import wait_for
 
 _SETTLE_S = 20.0            # until connections of before are gone
 # more than at the start: connections differ from run to run, a leak grows with each fault

@@ -2,7 +2,7 @@
 import contextlib
 import socket
 
-from img_recog_testing.waiting import DEADLINE_S
+from img_recog_helpers.waiting import DEADLINE_S
 
 
 @contextlib.contextmanager

@@ -13,9 +13,9 @@ from concurrent.futures.process import BrokenProcessPool
 from multiprocessing import get_context
 from typing import List, Optional, Sequence, Tuple
 
-from img_recog_testing.reliability import figures
-from img_recog_testing.reliability.parts import PARTS, Options, Row
-from img_recog_testing.signals import handle_ignored_signals
+from img_recog_helpers.reliability import figures
+from img_recog_helpers.reliability.parts import PARTS, Options, Row
+from img_recog_helpers.signals import handle_ignored_signals
 
 _ALONGSIDE = 'soak'
 _TAIL = 4000            # characters of the error of a part that has failed

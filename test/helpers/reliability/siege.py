@@ -10,11 +10,11 @@ from concurrent.futures import ThreadPoolExecutor
 from http import HTTPStatus
 from typing import Callable, Dict, Iterator, Mapping, Tuple
 
-from img_recog_testing import process_table
-from img_recog_testing.process_table import Usage
-from img_recog_testing.reliability import demo as demos
-from img_recog_testing.reliability.demo import LIMIT_S, START_LIMIT_S, Demo
-from img_recog_testing.waiting import DEADLINE_S, wait_for
+from img_recog_helpers import process_table
+from img_recog_helpers.process_table import Usage
+from img_recog_helpers.reliability import demo as demos
+from img_recog_helpers.reliability.demo import LIMIT_S, START_LIMIT_S, Demo
+from img_recog_helpers.waiting import DEADLINE_S, wait_for
 
 Address = Tuple[str, int]
 # what a connection sends, piece by piece; it takes time where it is slow

@@ -7,11 +7,11 @@ from concurrent.futures import ThreadPoolExecutor
 from types import ModuleType
 from typing import Callable, Dict, List, NamedTuple, Optional, Sequence, Tuple
 
-from img_recog_testing import lockstep
-from img_recog_testing.processes import Process
-from img_recog_testing.reliability import (endings, figures, files, images, siege, soak,
+from img_recog_helpers import lockstep
+from img_recog_helpers.processes import Process
+from img_recog_helpers.reliability import (endings, figures, files, images, siege, soak,
                                            surroundings, twists)
-from img_recog_testing.reliability.nodes import Nodes
+from img_recog_helpers.reliability.nodes import Nodes
 
 # at full length
 TWISTS, WIRE_TWISTS = 1000000, 60000

@@ -5,8 +5,8 @@ import shutil
 import subprocess
 import sys
 
-from img_recog_testing.simulator_tools import Echo, burger
-from img_recog_testing.waiting import wait_for
+from img_recog_helpers.simulator_tools import Echo, burger
+from img_recog_helpers.waiting import wait_for
 
 CAMERA = ('_camera_frame:=camera_link', '_camera_image_topic:=image_raw', '_camera_width:=64',
           '_camera_height:=48', '_world:=color_posts')

@@ -11,8 +11,8 @@ import rospy
 from rospy.impl.tcpros_base import TCPROSTransport
 from rospy.impl.tcpros_pubsub import TCPROSPub, TCPROSSub
 
-from img_recog_testing.waiting import DEADLINE_S
-from img_recog_testing.wire import packet
+from img_recog_helpers.waiting import DEADLINE_S
+from img_recog_helpers.wire import packet
 
 _numbers = itertools.count()
 

@@ -11,13 +11,13 @@ from typing import Dict, List
 import genpy
 from rosgraph_msgs.msg import Clock
 
-from img_recog_testing import wire
-from img_recog_testing.reliability import chain, faults
-from img_recog_testing.reliability import demo as demos
-from img_recog_testing.reliability.demo import LIMIT_S, START_LIMIT_S, Demo
-from img_recog_testing.reliability.faults import Fault
-from img_recog_testing.reliability.nodes import Nodes
-from img_recog_testing.waiting import wait_for
+from img_recog_helpers import wire
+from img_recog_helpers.reliability import chain, faults
+from img_recog_helpers.reliability import demo as demos
+from img_recog_helpers.reliability.demo import LIMIT_S, START_LIMIT_S, Demo
+from img_recog_helpers.reliability.faults import Fault
+from img_recog_helpers.reliability.nodes import Nodes
+from img_recog_helpers.waiting import wait_for
 
 _DISK_KB = 1024
 _MAX_CLOCK_S = 4294967295.0       # of a time in ROS 1

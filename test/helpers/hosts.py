@@ -3,7 +3,7 @@ import os
 import subprocess
 import sys
 
-from img_recog_testing.waiting import wait_for
+from img_recog_helpers.waiting import wait_for
 
 _SUBNET = '10.77.0.'
 _SWITCH = 'switch'

@@ -6,7 +6,7 @@ import sys
 
 import yaml
 
-from img_recog_testing.waiting import wait_for
+from img_recog_helpers.waiting import wait_for
 
 _CALLER = '''
 import json, sys

@@ -23,9 +23,9 @@ from img_recog.errors import UserError
 from img_recog.formats import lumping, still_images, urdf, world_file
 from img_recog.loading import resources
 from img_recog.recordings.bags import BagFrames
-from img_recog_testing import bombs
-from img_recog_testing.reliability import chain, hostile
-from img_recog_testing.simulator_tools import burger
+from img_recog_helpers import bombs
+from img_recog_helpers.reliability import chain, hostile
+from img_recog_helpers.simulator_tools import burger
 
 _MAX_S, _MAX_GROWTH_MB = 30.0, 100.0
 _MAX_PIXELS = 1 << 22

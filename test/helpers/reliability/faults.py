@@ -9,10 +9,10 @@ import time
 from typing import Any, Callable, Dict, Iterator, NamedTuple, Tuple
 
 from img_recog.ros.transport.switch import is_plain
-from img_recog_testing import process_table, wire
-from img_recog_testing.reliability import chain
-from img_recog_testing.reliability.demo import NODES, Demo
-from img_recog_testing.waiting import DEADLINE_S, wait_for
+from img_recog_helpers import process_table, wire
+from img_recog_helpers.reliability import chain
+from img_recog_helpers.reliability.demo import NODES, Demo
+from img_recog_helpers.waiting import DEADLINE_S, wait_for
 
 _BUSY = 'while True: pass'
 _LONG_LIFE_S = 5.0         # scripts/respawn.py has 4 s

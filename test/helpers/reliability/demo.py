@@ -8,12 +8,12 @@ from typing import Dict, Iterator, List, Optional, Set
 
 import psutil
 
-from img_recog_testing import process_table
-from img_recog_testing.process_table import Usage
-from img_recog_testing.processes import Process
-from img_recog_testing.reliability import chain
-from img_recog_testing.reliability.nodes import Contained
-from img_recog_testing.waiting import wait_for
+from img_recog_helpers import process_table
+from img_recog_helpers.process_table import Usage
+from img_recog_helpers.processes import Process
+from img_recog_helpers.reliability import chain
+from img_recog_helpers.reliability.nodes import Contained
+from img_recog_helpers.waiting import wait_for
 
 NODES = ('usb_cam', 'color_extract', 'gazebo', 'turtlebot3_teleop_keyboard',
          'robot_state_publisher')

@@ -12,8 +12,8 @@ from typing import List, Optional, Tuple
 from rosgraph import network
 
 from img_recog.ros import timed_xmlrpc
-from img_recog_testing.waiting import DEADLINE_S
-from img_recog_testing.xmlrpc_server import XmlRpcServer
+from img_recog_helpers.waiting import DEADLINE_S
+from img_recog_helpers.xmlrpc_server import XmlRpcServer
 
 CALLER = '/test_wire'
 _LENGTH = struct.Struct('<I')

@@ -14,12 +14,12 @@ from nav_msgs.msg import Odometry
 from img_recog.conversions import twist_msgs
 from img_recog.conversions.twist_msgs import TwistError
 from img_recog.simulation.settings import DriveSettings
-from img_recog_testing import robots
-from img_recog_testing.process_table import usage
-from img_recog_testing import wire
-from img_recog_testing.reliability import hostile
-from img_recog_testing.reliability.nodes import Nodes
-from img_recog_testing.waiting import wait_for
+from img_recog_helpers import robots
+from img_recog_helpers.process_table import usage
+from img_recog_helpers import wire
+from img_recog_helpers.reliability import hostile
+from img_recog_helpers.reliability.nodes import Nodes
+from img_recog_helpers.waiting import wait_for
 
 _FIELDS = tuple((part, axis) for part in ('linear', 'angular') for axis in 'xyz')
 _STRUCT = struct.Struct('<6d')

@@ -10,8 +10,8 @@ from std_srvs.srv import Empty
 
 from img_recog.ros import lifecycle
 from img_recog.ros.master import master_watch
-from img_recog_testing import statuses
-from img_recog_testing.waiting import DEADLINE_S, wait_for
+from img_recog_helpers import statuses
+from img_recog_helpers.waiting import DEADLINE_S, wait_for
 
 
 @functools.lru_cache(maxsize=None)      # once

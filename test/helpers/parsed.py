@@ -6,7 +6,7 @@ from img_recog.model import Tag
 from img_recog.simulation.robot_spec import settings_in_tag
 from img_recog.simulation.sensors.sensor import sensors_of
 from img_recog.simulation.settings import CameraSettings
-from img_recog_testing.robots import CAMERA
+from img_recog_helpers.robots import CAMERA
 
 
 def given(text, find=lambda uri: None):

@@ -17,12 +17,12 @@ from img_recog.conversions.image_msgs import ColorImages, ImageError
 from img_recog.recognition.areas import ColorExtractor
 from img_recog.recognition.settings import with_colors
 from img_recog.ros.transport import image_subscriber
-from img_recog_testing import plain_opencv
-from img_recog_testing.process_table import Usage, usage
-from img_recog_testing import wire
-from img_recog_testing.reliability import chain, hostile
-from img_recog_testing.reliability.nodes import Nodes
-from img_recog_testing.waiting import wait_for
+from img_recog_helpers import plain_opencv
+from img_recog_helpers.process_table import Usage, usage
+from img_recog_helpers import wire
+from img_recog_helpers.reliability import chain, hostile
+from img_recog_helpers.reliability.nodes import Nodes
+from img_recog_helpers.waiting import wait_for
 
 _ENCODINGS = ('bgr8', 'rgb8', 'bgra8', 'rgba8', 'mono8', 'mono16', 'bgr16', 'rgb16', 'bayer_rggb8',
               'bayer_grbg16', 'yuv422', 'yuv422_yuy2', '8UC1', '8UC3', '16SC2', '32FC1', '64FC4',

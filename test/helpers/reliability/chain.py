@@ -10,7 +10,7 @@ from nav_msgs.msg import Odometry
 from sensor_msgs.msg import Image
 from tf2_msgs.msg import TFMessage
 
-from img_recog_testing import wire
+from img_recog_helpers import wire
 
 RATE_HZ = 30
 PHASE_S = 0.6                               # of wall time: how long the film shows a color

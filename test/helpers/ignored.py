@@ -2,7 +2,7 @@
 import os
 import subprocess
 
-from img_recog_testing.pages import ROOT
+from img_recog_helpers.pages import ROOT
 
 
 def shown(folder, names):

@@ -6,8 +6,8 @@ from geometry_msgs.msg import Twist
 from nav_msgs.msg import Odometry
 from sensor_msgs.msg import LaserScan, PointCloud
 
-from img_recog_testing.recording import Recorder, call, from_node
-from img_recog_testing.waiting import wait_for
+from img_recog_helpers.recording import Recorder, call, from_node
+from img_recog_helpers.waiting import wait_for
 
 START = -2.0, -0.5
 

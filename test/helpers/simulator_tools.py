@@ -11,9 +11,9 @@ import numpy as np
 from geometry_msgs.msg import Twist, Vector3
 from roslib.message import get_message_class
 
-from img_recog_testing import wire
-from img_recog_testing.process_table import descendants
-from img_recog_testing.waiting import DEADLINE_S, wait_for
+from img_recog_helpers import wire
+from img_recog_helpers.process_table import descendants
+from img_recog_helpers.waiting import DEADLINE_S, wait_for
 
 # what these warn of, each test notices by itself if it matters: images or messages are missing
 _OF_A_BUSY_MACHINE = ('this machine is too slow', 'the simulation waits for images',

@@ -3,9 +3,9 @@ import statistics
 import time
 from typing import Dict, List, NamedTuple
 
-from img_recog_testing.process_table import Usage
-from img_recog_testing.reliability import demo as demos
-from img_recog_testing.reliability.demo import LIMIT_S, NODES, Demo
+from img_recog_helpers.process_table import Usage
+from img_recog_helpers.reliability import demo as demos
+from img_recog_helpers.reliability.demo import LIMIT_S, NODES, Demo
 
 _SAMPLE_S = 1.0
 _CHECK_SHARE = 10           # the chain is checked after so many samples

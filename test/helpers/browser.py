@@ -10,8 +10,8 @@ import urllib.request
 import psutil
 import pytest
 
-from img_recog_testing.process_table import command_lines
-from img_recog_testing.waiting import wait_for
+from img_recog_helpers.process_table import command_lines
+from img_recog_helpers.waiting import wait_for
 
 try:
     from selenium import webdriver

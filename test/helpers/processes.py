@@ -14,8 +14,8 @@ import xmlrpc.client
 
 from roslib.packages import find_node
 
-from img_recog_testing import wire
-from img_recog_testing.waiting import stretch, wait_for
+from img_recog_helpers import wire
+from img_recog_helpers.waiting import stretch, wait_for
 
 
 _END_S = 20.0               # until a program that is interrupted is killed

@@ -11,13 +11,13 @@ from typing import Callable, Dict, Iterator, List, NamedTuple, Optional, Tuple
 
 from sensor_msgs.msg import Image
 
-from img_recog_testing import process_table
-from img_recog_testing.pages import ROOT
-from img_recog_testing.processes import Process
-from img_recog_testing import wire
-from img_recog_testing.reliability import chain
-from img_recog_testing.reliability.nodes import Nodes
-from img_recog_testing.waiting import wait_for
+from img_recog_helpers import process_table
+from img_recog_helpers.pages import ROOT
+from img_recog_helpers.processes import Process
+from img_recog_helpers import wire
+from img_recog_helpers.reliability import chain
+from img_recog_helpers.reliability.nodes import Nodes
+from img_recog_helpers.waiting import wait_for
 
 NODE_LIMIT_S, DEMO_LIMIT_S = 5.0, 12.0      # from the signal until nothing is left
 MASTER_LIMIT_S = 1.5          # for which a node that ends waits for the master

@@ -3,11 +3,11 @@ import os
 import tempfile
 from typing import List
 
-from img_recog_testing import process_table
-from img_recog_testing.processes import Process, Ros
-from img_recog_testing import wire
-from img_recog_testing.simulator_tools import burger
-from img_recog_testing.waiting import DEADLINE_S, wait_for
+from img_recog_helpers import process_table
+from img_recog_helpers.processes import Process, Ros
+from img_recog_helpers import wire
+from img_recog_helpers.simulator_tools import burger
+from img_recog_helpers.waiting import DEADLINE_S, wait_for
 
 
 class Contained(Ros):
