@@ -11,8 +11,8 @@ SIMULATION_ROOMS = ('settings', 'names', 'physics', 'sensors', 'robot_spec', 'ca
                     'places', 'pacing', 'assembly')
 # libraries that only some folders or files may use
 OWNERS = {
-    **dict.fromkeys(('pybullet', 'pybullet_data', 'pybullet_utils'), tuple(
-        'simulation/' + room for room in SIMULATION_ROOMS)),
+    **dict.fromkeys(('pybullet', 'pybullet_data', 'pybullet_utils'), (
+        'simulation/physics', 'simulation/sensors', 'simulation/pictures')),
     'moderngl': ('rendering',),
     **dict.fromkeys(('collada', 'trimesh'), ('formats/meshes',)),
     **dict.fromkeys(('dask', 'distributed'), ('batch',)),

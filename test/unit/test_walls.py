@@ -44,6 +44,7 @@ def test_only_lifecycle_uses_shutdown_hooks_of_rospy():
     ('rendering/a.py', 'from img_recog.simulation.physics.body import Pose', 'rendering may use'),
     ('rendering/a.py', 'import pybullet', 'may use pybullet'),
     ('formats/a.py', 'import pybullet', 'may use pybullet'),
+    ('simulation/a.py', 'import pybullet', 'may use pybullet'),
     ('formats/a.py', 'from img_recog.simulation.physics import body', 'formats may use'),
     ('formats/a.py', 'from img_recog.camera import urls', 'formats may use'),
     ('simulation/physics/a.py', 'from img_recog.simulation.sensors import imu',

@@ -2,7 +2,6 @@
 from typing import Dict, Iterator, List, Tuple
 
 import numpy as np
-import pybullet
 
 from img_recog.errors import SimulationError
 from img_recog.formats.sdf_models import BETWEEN_AXES
@@ -20,9 +19,8 @@ class Figures:
     """
 
     def __init__(self, simulator: Simulator):
-        self._client = {'physicsClientId': simulator.world.physics_client_id}
         self._links: Dict[str, Tuple[FramedBody, str]] = {}
-        self._joints: Dict[str, Tuple[FramedBody, int]] = {}
+        self._joints: Dict[str, Tuple[FramedBody, str]] = {}
         self._held: List[str] = []
         self._inertias: Dict[str, Inertia] = {}
         for model, body in Models(simulator).bodies:
@@ -32,8 +30,7 @@ class Figures:
         self._links.update((prefix + link, (body, link)) for link in body.link_names)
         self._inertias.update((prefix + link.name, link.inertia or NO_INERTIA)
                               for link in body.model.links if link.name in body.link_names)
-        self._joints.update((prefix + joint, (body, index))
-                            for joint, index in body.joints.items())
+        self._joints.update((prefix + joint, (body, joint)) for joint in body.joints)
         self._held += [prefix + joint for joint in body.model.held]
 
     def links(self) -> Dict[str, List[float]]:
@@ -46,9 +43,8 @@ class Figures:
     def joints(self) -> Dict[str, List[float]]:
         """Return position and velocity of each axis of each joint: rad and rad/s, or m and m/s."""
         found: Dict[str, List[float]] = {name: [] for name in self._held}
-        for name, (body, index) in self._joints.items():
-            found.setdefault(name.partition(BETWEEN_AXES)[0], []).extend(
-                pybullet.getJointState(body.body_id, index, **self._client)[:2])
+        for name, (body, joint) in self._joints.items():
+            found.setdefault(name.partition(BETWEEN_AXES)[0], []).extend(body.joint_state(joint))
         return found
 
     def masses(self) -> Dict[str, List[float]]:
@@ -67,9 +63,8 @@ class Figures:
         if joint not in self._joints:
             raise SimulationError('no movable joint {} (movable joints: {})'.format(
                 joint, ', '.join(self._joints) or 'none'))
-        body, index = self._joints[joint]
-        pybullet.setJointMotorControl2(body.body_id, index, pybullet.VELOCITY_CONTROL,
-                                       targetVelocity=velocity, force=limit, **self._client)
+        body, name = self._joints[joint]
+        body.set_motor(name, velocity, limit)
 
 
 def _numbers(state: FrameState) -> Iterator[float]:

@@ -2,13 +2,12 @@
 from typing import Callable, Dict, Iterable, Iterator, List, Mapping, Optional, Sequence, Tuple
 
 import numpy as np
-import pybullet
 
 from img_recog import rotations
 from img_recog.errors import SimulationError, shortened
 from img_recog.model import Tree
 from img_recog.rotations import IDENTITY, Transform
-from img_recog.simulation.physics.body import Motion, Pose, motion_of_frame
+from img_recog.simulation.physics.body import Motion, Pose, motion_of_frame, relative
 from img_recog.simulation.physics.framed_body import FramedBody
 from img_recog.simulation.physics.world import FLOOR
 from img_recog.simulation.simulator import Simulator
@@ -159,10 +158,9 @@ class Models:
         Links: see `link`. Raises SimulationError when there is no such model, link or frame.
         """
         model, origin = self._state_in_world(name), self._frame(frame)
-        back = pybullet.invertTransform(origin.position, origin.orientation)
-        position, orientation = pybullet.multiplyTransforms(*back, model.position,
-                                                            model.orientation)
-        turn = rotations.matrix(back[1])
+        position, orientation = relative(model.position, model.orientation, origin.position,
+                                         origin.orientation)
+        turn = rotations.matrix(origin.orientation).T
         return State(position, orientation,
                      turn @ np.subtract(model.linear, origin.linear),
                      turn @ np.subtract(model.angular, origin.angular))

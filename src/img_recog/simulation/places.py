@@ -4,8 +4,6 @@ import heapq
 import math
 from typing import Sequence
 
-import pybullet
-
 from img_recog.errors import SimulationError
 from img_recog.settings import SettingError
 from img_recog.simulation.physics import standing
@@ -43,7 +41,7 @@ def start_apart(simulator: Simulator, vehicle: Vehicle) -> None:
         climb_m = abs(vehicle.lift.height_m - height_m)
         if climb_m > _MAX_CLIMB_M or _is_at_wall(vehicle.robot, simulator.world.bodies):
             continue
-        if not _is_near(vehicle.robot, robots, _ROBOT_CLEARANCE_M):
+        if not standing.is_near(vehicle.robot, robots, _ROBOT_CLEARANCE_M):
             return
         for cell in ((column + 1, row), (column - 1, row), (column, row + 1), (column, row - 1)):
             if cell not in known:
@@ -64,12 +62,6 @@ def _is_at_wall(robot: Body, bodies: Sequence[Body]) -> bool:
     """
     height_m = _CLEARANCE_M + standing.MAX_DEPTH_M
     robot.raise_by(height_m)
-    is_near = _is_near(robot, bodies, _CLEARANCE_M)
+    is_near = standing.is_near(robot, bodies, _CLEARANCE_M)
     robot.raise_by(-height_m)
     return is_near
-
-
-def _is_near(robot: Body, bodies: Sequence[Body], distance_m: float) -> bool:
-    return any(pybullet.getClosestPoints(robot.body_id, body.body_id, distance_m,
-                                         physicsClientId=robot.physics_client_id)
-               for body in bodies)

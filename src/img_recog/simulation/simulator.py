@@ -1,10 +1,8 @@
 """World and vehicles, advanced together by whole steps."""
-import math
 from typing import Any, Callable, Collection, List, Optional, Sequence, Set
 
-import pybullet
-
 from img_recog.simulation.carrier import Carrier, Reading
+from img_recog.simulation.physics import contacts
 from img_recog.simulation.physics.body import Body
 from img_recog.simulation.physics.standing import MAX_DEPTH_M
 from img_recog.simulation.physics.world import World
@@ -121,9 +119,7 @@ class Simulator:
         for body in (*self.world.bodies, *(vehicle.robot for vehicle in self.vehicles)):
             if body.fixed or body.name in self._flying:
                 continue
-            linear, _ = pybullet.getBaseVelocity(body.body_id,
-                                                 physicsClientId=self.world.physics_client_id)
-            speed = math.sqrt(sum(value * value for value in linear))
+            speed = body.speed()
             if not speed < _IMPOSSIBLE:     # also NaN
                 self._flying.add(body.name)
                 self.warn('{} moves at {:.3g} m/s, after {:g} s: the physics has thrown it, most '
@@ -145,31 +141,21 @@ class Simulator:
 
     def overlapped(self, robot: Body) -> List[str]:
         """Return the names of the bodies that a robot overlaps with, deeper than contacts do."""
-        client = self.world.physics_client_id
         bodies = [self.world.floor, *self.world.bodies,
                   *(vehicle.robot for vehicle in self.vehicles)]
         names = {body.body_id: body.name for body in bodies if body is not None}
-        pybullet.performCollisionDetection(physicsClientId=client)
-        found: List[str] = []
-        for contact in pybullet.getContactPoints(robot.body_id, physicsClientId=client):
-            # of two robots, either may be the first body of a contact
-            other = contact[1] if contact[2] == robot.body_id else contact[2]
-            name = names.get(other, robot.name)
-            if contact[8] < -MAX_DEPTH_M and name not in found:
-                found.append(name)
-        return found
+        deep = [names.get(contact.other, robot.name)
+                for contact in contacts.of(robot, detect=True) if contact.depth_m > MAX_DEPTH_M]
+        return list(dict.fromkeys(deep))
 
     def touched(self, robot: Body) -> List[str]:
         """Return the names of the bodies that touch a robot from the side.
 
         What it stands on does not.
         """
-        client = self.world.physics_client_id
-        found = set()
-        for contact in pybullet.getContactPoints(robot.body_id, physicsClientId=client):
-            other = contact[1] if contact[2] == robot.body_id else contact[2]
-            if other != robot.body_id and contact[8] <= 0 and abs(contact[7][2]) < _STEEP:
-                found.add(other)
+        found = {contact.other for contact in contacts.of(robot)
+                 if contact.other != robot.body_id and contact.depth_m >= 0
+                 and abs(contact.up) < _STEEP}
         if not found:       # most often
             return []
         return sorted(body.name for body in [*self.world.bodies, *(
@@ -177,7 +163,7 @@ class Simulator:
 
     def close(self) -> None:
         """End the physics; nothing of it can be used any more."""
-        pybullet.disconnect(physicsClientId=self.world.physics_client_id)
+        self.world.close()
 
     def reset_world(self) -> None:
         """Move everything back to its start, at rest and without a command; time goes on."""

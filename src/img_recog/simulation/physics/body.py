@@ -169,6 +169,13 @@ class Body:
                                        physicsClientId=self.physics_client_id)
         return state[0], state[1]
 
+    def set_motor(self, joint: str, velocity: float, limit: float) -> None:
+        """Let a motor hold a joint at a velocity in rad/s or m/s, with at most `limit` N m or N.
+        """
+        pybullet.setJointMotorControl2(
+            self.body_id, self.joints[joint], pybullet.VELOCITY_CONTROL, targetVelocity=velocity,
+            force=limit, physicsClientId=self.physics_client_id)
+
     def set_joint(self, joint: str, position: float) -> None:
         """Put a joint at a position in rad or m, at rest."""
         pybullet.resetJointState(self.body_id, self.joints[joint], position, 0.0,
@@ -190,6 +197,11 @@ class Body:
     def motion(self) -> Motion:
         """Return the motion of the root link's frame."""
         return motion_of_frame(*self.base_state(self._root_in_mass))
+
+    def speed(self) -> float:
+        """Return the speed of the center of mass of the root link, in m/s."""
+        linear, _ = pybullet.getBaseVelocity(self.body_id, physicsClientId=self.physics_client_id)
+        return math.sqrt(sum(value * value for value in linear))
 
     def base_state(self, in_mass: Tuple[Vector, Quaternion]) -> FrameState:
         """Return the state of a frame fixed to the base.
@@ -230,6 +242,13 @@ class Body:
         at_center = np.array(linear) + np.cross(angular, arm)
         pybullet.resetBaseVelocity(self.body_id, at_center.tolist(), list(angular),
                                    physicsClientId=self.physics_client_id)
+
+
+def relative(position: Vector, orientation: Quaternion, origin: Vector,
+             turned: Quaternion) -> Tuple[Vector, Quaternion]:
+    """Return a pose as seen from another one, `origin` and `turned`."""
+    return pybullet.multiplyTransforms(*pybullet.invertTransform(origin, turned), position,
+                                       orientation)
 
 
 def velocity_at(position: Vector, point: Vector, linear: Vector, angular: Vector) -> Vector:

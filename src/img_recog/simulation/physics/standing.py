@@ -69,6 +69,13 @@ def first_in_line(body: Body, upward: bool) -> Tuple[int, float]:
         z = hit[3][2] + (_TOUCH_M if upward else -_TOUCH_M)
 
 
+def is_near(body: Body, others: Sequence[Body], distance_m: float) -> bool:
+    """Return whether one of the others is at most a distance away from a body."""
+    return any(pybullet.getClosestPoints(body.body_id, other.body_id, distance_m,
+                                         physicsClientId=body.physics_client_id)
+               for other in others)
+
+
 def depth(body: Body, other: Body) -> float:
     """Return how deep, in m, a body is in another one; 0 when they do not touch."""
     points = pybullet.getClosestPoints(body.body_id, other.body_id, 0.0,

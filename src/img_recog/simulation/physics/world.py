@@ -198,6 +198,10 @@ class World:
                 act()
             step(physicsClientId=physics_client_id)
 
+    def close(self) -> None:
+        """End the physics client; nothing of it can be used any more."""
+        pybullet.disconnect(physicsClientId=self.physics_client_id)
+
     def reset(self) -> None:
         """Move all bodies back to where they were when they were added, at rest."""
         self.pushes.clear()

@@ -1,0 +1,31 @@
+"""What touches a body now."""
+from typing import List, NamedTuple
+
+import pybullet
+
+from img_recog.simulation.physics.body import Body
+
+
+class Contact(NamedTuple):
+    """A point at which a body touches another one or itself.
+
+    other: PyBullet's id of the other one; depth_m: how deep they are in one another, below 0 for
+    a gap; up: the vertical part of the normal, from -1 to 1.
+    """
+
+    other: int
+    depth_m: float
+    up: float
+
+
+def of(body: Body, detect: bool = False) -> List[Contact]:
+    """Return the contacts of a body in the last step of the physics.
+
+    detect: look for those of where the bodies are now instead.
+    """
+    client = {'physicsClientId': body.physics_client_id}
+    if detect:
+        pybullet.performCollisionDetection(**client)
+    # of two robots, either may be the first body of a contact
+    return [Contact(point[1] if point[2] == body.body_id else point[2], -point[8], point[7][2])
+            for point in pybullet.getContactPoints(body.body_id, **client)]
