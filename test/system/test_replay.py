@@ -156,7 +156,7 @@ def test_interrupted_replay_leaves_no_files(ros, tmp_path):
 
 
 CASES = {
-    'missing': (['no.mp4'], 'cannot replay no.mp4: no such file',
+    'missing': (['no.mp4'], 'cannot read no.mp4: no such file',
                 'give a video that FFmpeg plays, a folder of images, or a bag with images'),
     'folder': (['folder'], 'cannot open folder: there is no image in it', 'give a video'),
     'text': (['text.txt'], 'cannot play text.txt', 'give a video'),

@@ -141,6 +141,8 @@ class _Fitting:
             total.add_result(found.histograms)
             for entries, more in zip(used, found.used):
                 entries.update(more)
+        if not seen:
+            raise UserError('none of the recordings can be used', 'the lines above say why')
         self._stages.note(seen)
         for samples_of, entries in zip(self._sets, used):
             self._check_used(samples_of, entries)

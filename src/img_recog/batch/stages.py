@@ -6,7 +6,7 @@ from typing import Any, Dict, Iterator, List, Mapping, NamedTuple, Sequence, Tup
 
 from img_recog.batch.engine import Engine, Outcomes
 from img_recog.batch.work import Function, Piece
-from img_recog.errors import UserError, one_line
+from img_recog.errors import UserError
 from img_recog.recordings import parts
 from img_recog.recordings.frames import Part, Remarks
 
@@ -20,11 +20,8 @@ class Divided(NamedTuple):
 
 def divide(paths: Sequence[str], topic: str, max_pixels: int) -> Divided:
     """Return the parts of a recording that has a usable image; for the engine."""
-    try:
-        divided = parts.divide(paths[0], topic, max_pixels=max_pixels)
-        return Divided(divided, parts.first(paths[0], divided, max_pixels).stamp_ns)
-    except OSError as error:
-        raise UserError('cannot read {}: {}'.format(paths[0], one_line(error).lower()))
+    divided = parts.divide(paths[0], topic, max_pixels=max_pixels)
+    return Divided(divided, parts.first(paths[0], divided, max_pixels).stamp_ns)
 
 
 class Results:

@@ -19,6 +19,7 @@ VIDEO_EXTENSIONS = ('.3gp', '.avi', '.f4v', '.m2ts', '.m4v', '.mkv', '.mov', '.m
                     '.mpg', '.mts', '.mxf', '.nut', '.ogv', '.vob', '.webm', '.wmv', '.y4m')
 VIDEO_OR_LIVE_EXTENSIONS = '.asf', '.flv'
 
+UNREADABLE = 'cannot read the image {}: it is damaged, or of a kind that OpenCV does not read'
 _JPEG_VIDEOS = ('.mjpeg', '.mjpg')
 _START_OF_SCAN = 0xda       # a marker of JPEG
 
@@ -83,7 +84,7 @@ class FolderSource(FrameSource):
         except SourceTooLarge as error:
             raise FrameSkipped(str(error))
         if image is None:
-            raise FrameSkipped('cannot read the image {}'.format(path))
+            raise FrameSkipped(UNREADABLE.format(path))
         if image.shape[:2] != (self.height, self.width):
             raise FrameSkipped('image {} is {}x{} in a folder of {}x{}'.format(
                 path, image.shape[1], image.shape[0], self.width, self.height))

@@ -5,8 +5,8 @@ import stat
 from typing import Callable, Sequence
 
 from img_recog.camera.device_source import DeviceSource, list_devices
-from img_recog.camera.image_source import (FolderSource, ImageSource, has_reader, is_jpeg_video,
-                                           is_truncated, read_image)
+from img_recog.camera.image_source import (UNREADABLE, FolderSource, ImageSource, has_reader,
+                                           is_jpeg_video, is_truncated, read_image)
 from img_recog.camera.settings import CameraSettings
 from img_recog.camera.source import FrameSource, SourceError, check_size, convert
 from img_recog.camera.synthetic import SyntheticSource
@@ -77,8 +77,8 @@ def open_file(path: str, rate_hz: float, loop: bool = True,
     from img_recog.camera.video_source import VideoSource, not_playable
     if is_video:
         return VideoSource(path, loop, warn, max_pixels)
-    if is_truncated(path):
-        raise SourceError('cannot read {}: the image is truncated'.format(path))
+    if is_truncated(path) or has_reader(path):
+        raise SourceError(UNREADABLE.format(path))
     # ffmpeg plays images too, of any size, and text files
     if has_reader(path, switched_off=True) or _is_text(path):
         raise not_playable(path)

@@ -43,6 +43,7 @@ class FrameSource(abc.ABC):
     time_s: when the last frame is due, counted from the first one; None: at `rate_hz`.
     step_s: time between the last frame and the next one; None: the period of `rate_hz`.
     expected_frames: how many there are, 0 if that is not known.
+    damaged: how many frames of a video were skipped before the last one, or the end.
     """
 
     description: str
@@ -60,6 +61,7 @@ class FrameSource(abc.ABC):
     time_s: Optional[float] = None
     step_s: Optional[float] = None
     expected_frames: int = 0
+    damaged: int = 0
 
     @abc.abstractmethod
     def read(self) -> np.ndarray:

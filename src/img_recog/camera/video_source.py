@@ -61,6 +61,7 @@ class VideoSource(FrameSource):
         self.name = redacted(path)
         self._ahead: 'Optional[Future[_Opened]]' = None
         self._count = self._position = 0        # frames that were read; since the last start
+        self.damaged = self._damaged = 0
         opened = decoder or self._open()
         if opened is None:
             raise not_playable(self.name)
@@ -71,7 +72,8 @@ class VideoSource(FrameSource):
                 raise self._not_playable()
             stated_hz = self._decoder.rate_hz
             self._times = FrameTimes(stated_hz)
-            self._next: Deque[Optional[Tuple[np.ndarray, float]]] = deque()     # None: the end
+            # with the times, and damaged frames before; None: the end
+            self._next: Deque[Optional[Tuple[np.ndarray, float, int]]] = deque()
             self._append(first)
             self._append(self._read_frame(self._decoder))
             self.step_s = self._times.step_s
@@ -94,9 +96,10 @@ class VideoSource(FrameSource):
         following = self._next.popleft()
         if following is None:
             self._next.append(None)
+            self.damaged = self._damaged
             raise SourceEnded('the video {} has ended after {} frames'.format(
                 self.name, self._count))
-        frame, self.time_s = following
+        frame, self.time_s, self.damaged = following
         self._count += 1
         self._position += 1
         if not self._next:
@@ -118,7 +121,7 @@ class VideoSource(FrameSource):
 
     def _append(self, image: Optional[np.ndarray]) -> None:
         self._next.append(None if image is None else (
-            image, self._times.next_s(self._decoder.time_s)))
+            image, self._times.next_s(self._decoder.time_s), self._damaged))
 
     def _open(self) -> Optional[Decoder]:
         return open_decoder(self._path, self._max_pixels)
@@ -131,12 +134,15 @@ class VideoSource(FrameSource):
 
     def _read_frame(self, decoder: Decoder) -> Optional[np.ndarray]:
         for _ in range(_MAX_DAMAGED_FRAMES):
-            with contextlib.suppress(FrameSkipped):
+            try:
                 image = decoder.read()
-                if image is not None:
-                    check_size('cannot play ' + self.name, image.shape[1], image.shape[0],
-                               self._max_pixels)
-                return image
+            except FrameSkipped:
+                self._damaged += 1
+                continue
+            if image is not None:
+                check_size('cannot play ' + self.name, image.shape[1], image.shape[0],
+                           self._max_pixels)
+            return image
         return None
 
     def _rewind(self) -> np.ndarray:

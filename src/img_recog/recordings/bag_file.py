@@ -12,6 +12,7 @@ from rosbag.bag import BagMessageWithConnectionHeader, _BagReader200
 from img_recog.errors import UserError, one_line
 from img_recog.formats.still_images import DEFAULT_MAX_PIXELS
 from img_recog.recordings.frames import WANTED
+from img_recog.recordings.names import is_bag
 
 # raised by rosbag and genpy when they read a damaged file
 DAMAGE_ERRORS = (rosbag.ROSBagException, genpy.MessageException, struct.error, OSError, EOFError,
@@ -166,18 +167,20 @@ def _fields(header: bytes) -> Dict[bytes, bytes]:
     return fields
 
 
-def open_bag(path: str, max_pixels: int = DEFAULT_MAX_PIXELS) -> BagFile:
+def open_bag(path: str, max_pixels: int = DEFAULT_MAX_PIXELS, advice: str = WANTED) -> BagFile:
     """Return a bag; raise UserError if it cannot be read.
 
-    max_pixels: of the largest image that is allowed.
+    max_pixels: of the largest image that is allowed; advice: what to give in place of a file that
+    is no bag.
     """
+    is_bag(path, advice)        # raises if there is no file
     try:
         return BagFile(path, max_pixels)
     except rosbag.ROSBagUnindexedException:
         raise UserError('the bag {} has no index; its recording was probably interrupted'.format(
             path), 'create the index: rosbag reindex {}'.format(shlex.quote(path)))
     except DAMAGE_ERRORS as error:
-        raise UserError('cannot read {} as a bag: {}'.format(path, one_line(error)), WANTED)
+        raise UserError('cannot read {} as a bag: {}'.format(path, one_line(error)), advice)
 
 
 def damaged(path: str, error: Exception) -> UserError:

@@ -1,5 +1,4 @@
 """The images in a bag, as frames."""
-import os
 from functools import partial
 from typing import TYPE_CHECKING, Any, Callable, Dict, Iterator, List, NamedTuple, Optional
 
@@ -10,11 +9,11 @@ from std_msgs.msg import Header
 
 from img_recog.conversions import compressed_image_msgs, image_msgs
 from img_recog.conversions.image_msgs import ImageError
-from img_recog.errors import UserError, one_line
+from img_recog.errors import UserError
 from img_recog.formats.still_images import DEFAULT_MAX_PIXELS
 from img_recog.recordings.bag_file import DAMAGE_ERRORS, damaged, open_bag
-from img_recog.recordings.frames import SECOND_NS, Frame, Frames, Part
-from img_recog.recordings.names import DEFAULT_TOPICS, is_bag
+from img_recog.recordings.frames import SECOND_NS, WANTED, Frame, Frames, Part
+from img_recog.recordings.names import DEFAULT_TOPICS
 
 if TYPE_CHECKING:
     from img_recog.recordings.camera_infos import CameraInfos
@@ -40,16 +39,16 @@ class BagFrames(Frames):
     """
 
     def __init__(self, path: str, topic: str = '', max_pixels: int = DEFAULT_MAX_PIXELS,
-                 part: Optional[Part] = None):
+                 part: Optional[Part] = None, advice: str = WANTED):
         """Open a bag.
 
         topic: topic of the images; if empty, one of DEFAULT_TOPICS or the only topic with images.
         max_pixels: images with more pixels are skipped. part: to read only this one; it has the
-        topic.
+        topic. advice: what to give in place of a file that is no bag.
         Raises UserError if the file cannot be read as a bag or has no such images.
         """
         self._part = part
-        self.bag = open_bag(path, max_pixels)
+        self.bag = open_bag(path, max_pixels, advice)
         try:
             types = self._image_topics(path)
             self.topic = _choose_topic(path, types, part.topic if part else topic)
@@ -140,22 +139,6 @@ class BagFrames(Frames):
                 'the times of {} in {} jump {} by {:g} s at message {}'.format(
                     self.topic, self.path, 'back' if gap_s < 0 else 'ahead', abs(gap_s), number),
                 'extract a part without jumps by rosbag filter')
-
-
-def check_bag(path: str, task: str, advice: str) -> None:
-    """Raise UserError if a file cannot be a bag; task: what is done with it, as 'replay'."""
-    try:
-        is_usable = os.path.isfile(path) and is_bag(path)
-    except OSError as error:
-        raise UserError('cannot read {}: {}'.format(path, one_line(error).lower()),
-                        'see its permissions (ls -l), or give another bag')
-    if not os.path.exists(path) and os.path.exists(path + '.active'):
-        raise UserError('{0} is not complete: there is {0}.active'.format(path),
-                        'stop the demo that records it, or, if none does, rename it and run '
-                        '"rosbag reindex" on it')
-    if not is_usable:
-        raise UserError('cannot {} {}: {}'.format(
-            task, path, 'it is not a bag' if os.path.exists(path) else 'no such file'), advice)
 
 
 def _choose_topic(path: str, types: Dict[str, str], topic: str) -> str:

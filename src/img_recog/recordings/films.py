@@ -55,7 +55,8 @@ class FilmFrames(Frames):
 
     def read(self) -> Iterator[Frame]:
         """Yield all frames; raise UserError at the end if the film is truncated."""
-        source, number, frame_id = self._source, 0, CameraSettings().camera_frame_id
+        source, number, damaged = self._source, 0, 0
+        frame_id = CameraSettings().camera_frame_id
         first, has_changed = '{0.width}x{0.height}'.format(source), False
         try:
             # a picture is repeated without end
@@ -63,9 +64,11 @@ class FilmFrames(Frames):
                 try:
                     image = source.read()
                 except FrameSkipped as error:
-                    self.note(skipped=1, first=str(error))
+                    self.note(skipped=1, first='frame {}: {}'.format(number, error))
                     number += 1
                     continue
+                number += source.damaged - damaged
+                damaged = source.damaged
                 time_s = number / self._rate_hz if source.time_s is None else source.time_s
                 size = '{0.width}x{0.height}'.format(source)
                 if size != first and not has_changed:
@@ -80,7 +83,7 @@ class FilmFrames(Frames):
                 yield Frame(number, stamp_ns, header, image, source.encoding)
                 number += 1
         except SourceEnded:
-            pass
+            self.note_damaged(source.damaged)
         finally:
             source.close()
         if self._truncated:

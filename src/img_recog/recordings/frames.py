@@ -97,6 +97,11 @@ class Frames(abc.ABC):
         """Add remarks, given as values of Remarks."""
         self.remarks = self.remarks.plus(Remarks(**values))
 
+    def note_damaged(self, count: int) -> None:
+        """Add frames of a film that FFmpeg cannot decode; it does not say which they are."""
+        if count:
+            self.note(skipped=count, first='an empty or damaged frame of ' + self.path)
+
     @abc.abstractmethod
     def read(self) -> Iterator[Frame]:
         """Yield the usable frames; raise UserError if the recording is damaged."""

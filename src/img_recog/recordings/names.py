@@ -8,8 +8,9 @@ from img_recog.camera.image_source import (VIDEO_EXTENSIONS, VIDEO_OR_LIVE_EXTEN
                                            is_image)
 from img_recog.camera.selection import open_file
 from img_recog.camera.source import SourceError, SourceTooLarge
-from img_recog.errors import UserError, shortened
+from img_recog.errors import UserError, one_line, shortened
 from img_recog.formats import still_images
+from img_recog.recordings.frames import WANTED
 
 DEFAULT_TOPICS = ('/usb_cam/image_raw', '/usb_cam/image_raw/compressed')
 _ADVICE = 'give films, bags or images, folders with them, or patterns like "*.bag"'
@@ -59,10 +60,26 @@ def expand(names: Sequence[str], warn: Callable[[str], None] = lambda _: None) -
     return list({os.path.realpath(path): path for path in reversed(found)}.values())[::-1]
 
 
-def is_bag(path: str) -> bool:
-    """Return whether a file is a bag, by its first bytes or by its name."""
-    with open(path, 'rb') as file:
-        return file.read(len(_MAGIC)) == _MAGIC or path.endswith(_BAG)
+def is_bag(path: str, advice: str = WANTED) -> bool:
+    """Return whether a recording is a bag, by its first bytes or by its name.
+
+    Raises UserError if there is none, or it cannot be read; advice: what to give then.
+    """
+    if os.path.isdir(path):
+        return False
+    if not os.path.exists(path) and os.path.exists(path + '.active'):
+        raise UserError('{0} is not complete: there is {0}.active'.format(path),
+                        'stop the demo that records it, or, if none does, rename it and run '
+                        '"rosbag reindex" on it')
+    if not os.path.isfile(path):
+        raise UserError('cannot read {}: {}'.format(
+            path, 'it is not a file' if os.path.exists(path) else 'no such file'), advice)
+    try:
+        with open(path, 'rb') as file:
+            return file.read(len(_MAGIC)) == _MAGIC or path.endswith(_BAG)
+    except OSError as error:
+        raise UserError('cannot read {}: {}'.format(path, one_line(error).lower()),
+                        'see its permissions (ls -l), or give another one')
 
 
 def _is_recording(path: str) -> bool:

@@ -2,7 +2,6 @@
 
 The parts of a recording give all its frames, each once, wherever it is divided.
 """
-import contextlib
 from typing import Iterator, List, Optional, Sequence, Tuple
 
 import genpy
@@ -128,12 +127,13 @@ class _FilmPart(Frames):
         super().__init__(path)
         self._part, self._max_pixels = part, max_pixels
         self.expected, self.period_ns = part.frames, 0
+        self._damaged = 0       # frames, also of other parts
 
     def read(self) -> Iterator[Frame]:
         """Yield the frames that are in the part."""
         part, frame_id = self._part, CameraSettings().camera_frame_id
         index_of = {ticks: index for index, ticks in enumerate(part.ticks)}
-        for ticks, image in _decoded(self.path, part):
+        for ticks, image in self._decoded():
             index = index_of.get(ticks)
             if index is not None:
                 check_size('cannot read ' + self.path, image.shape[1], image.shape[0],
@@ -143,25 +143,26 @@ class _FilmPart(Frames):
                 header = Header(part.first + index, genpy.Time(*divmod(stamp_ns, SECOND_NS)),
                                 frame_id)
                 yield Frame(part.first + index, stamp_ns, header, image, 'rgb8')
+        self.note_damaged(min(self._damaged, part.frames - self.remarks.used))
 
+    def _decoded(self) -> Iterator[Tuple[int, np.ndarray]]:
+        """Yield frames with their times; all of the part, and perhaps some before it."""
+        first, last = self._part.ticks[0], self._part.ticks[-1]
+        for seeks in (True, False):
+            with Decoder(self.path) as decoder:
+                if seeks:
+                    decoder.seek(first)
+                image = self._next_image(decoder)
+                if seeks and (decoder.ticks is None or decoder.ticks > first):
+                    continue        # seeking is inexact in many containers
+                while image is not None and decoder.ticks is not None and decoder.ticks <= last:
+                    yield decoder.ticks, image
+                    image = self._next_image(decoder)
+                return
 
-def _decoded(path: str, part: Part) -> Iterator[Tuple[int, np.ndarray]]:
-    """Yield frames with their times; all of the part, and perhaps some before it."""
-    for seeks in (True, False):
-        with Decoder(path) as decoder:
-            if seeks:
-                decoder.seek(part.ticks[0])
-            image = _next_image(decoder)
-            if seeks and (decoder.ticks is None or decoder.ticks > part.ticks[0]):
-                continue        # seeking is inexact in many containers
-            while image is not None and decoder.ticks is not None and (
-                    decoder.ticks <= part.ticks[-1]):
-                yield decoder.ticks, image
-                image = _next_image(decoder)
-            return
-
-
-def _next_image(decoder: Decoder) -> Optional[np.ndarray]:
-    while True:
-        with contextlib.suppress(FrameSkipped):
-            return decoder.read()
+    def _next_image(self, decoder: Decoder) -> Optional[np.ndarray]:
+        while True:
+            try:
+                return decoder.read()
+            except FrameSkipped:
+                self._damaged += 1

@@ -16,11 +16,11 @@ from img_recog import files
 from img_recog.command_line.option_types import allowed
 from img_recog.conversions import plane_msgs
 from img_recog.conversions.plane_msgs import MAX_NUMBER, PoseError
-from img_recog.errors import UserError, counted
+from img_recog.errors import counted
 from img_recog.formats import still_images
 from img_recog.processes.signals import Interrupts
-from img_recog.recordings.bags import BagFrames, check_bag
-from img_recog.recordings.frames import SECOND_NS, WANTED
+from img_recog.recordings.bags import BagFrames
+from img_recog.recordings.frames import SECOND_NS
 from img_recog.replay import programs
 from img_recog.replay.bag_messages import Messages
 from img_recog.replay.film import Film
@@ -39,10 +39,9 @@ def main(arguments: Optional[Sequence[str]] = None) -> int:
 def _make(arguments: List[str], interrupts: Interrupts) -> str:
     options = _options(arguments)
     path, output = os.path.expanduser(options.bag), os.path.expanduser(options.output)
-    check_bag(path, 'make a film of', _BAG_ADVICE)
     files.refuse_input(output, path, 'filmed', 'give the film another name')
     settings = programs.recognition_settings(options.colors)
-    frames = _frames(path, options)
+    frames = BagFrames(path, options.topic, options.max_image_pixels, advice=_BAG_ADVICE)
     with frames.bag, files.atomic_write([output], 'give a path that can be written') as (file,):
         messages = Messages(path, frames.bag, frames.topic, _KINDS,
                             {frames.topic: ('image', frames.message_type)})
@@ -56,15 +55,6 @@ def _make(arguments: List[str], interrupts: Interrupts) -> str:
             film.close(end_s)
     return '{}: {:.1f} s, {} of {}'.format(
         output, end_s, counted(images, 'image'), frames.topic)
-
-
-def _frames(path: str, options: argparse.Namespace) -> BagFrames:
-    try:
-        return BagFrames(path, options.topic, options.max_image_pixels)
-    except UserError as error:
-        if error.advice != WANTED:
-            raise
-        raise UserError(error.problem, _BAG_ADVICE)     # not a video, as for replay.py
 
 
 def _fill(film: Film, messages: Messages, frames: BagFrames, progress: tqdm

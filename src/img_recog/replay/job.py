@@ -16,7 +16,7 @@ from img_recog.processes.signals import Interrupts
 from img_recog.recognition.settings import RecognitionSettings
 from img_recog.recordings import names
 from img_recog.recordings.films import FilmFrames
-from img_recog.recordings.frames import SECOND_NS, WANTED
+from img_recog.recordings.frames import SECOND_NS
 from img_recog.replay import cli, programs, scenario
 from img_recog.replay.chain import ColorRecognition, Recognition, Recorder
 from img_recog.replay.loop import Loop
@@ -136,14 +136,10 @@ def _summary(frames: int, simulated_s: float, loop_s: float, whole_s: float, mot
 
 def _open_input(options: argparse.Namespace) -> Frames:
     path = os.path.expanduser(options.input)
-    is_folder = os.path.isdir(path)
-    if not is_folder and not os.path.isfile(path):
-        raise UserError('cannot replay {}: {}'.format(
-            path, 'it is not a file' if os.path.exists(path) else 'no such file'), WANTED)
-    if not is_folder and names.is_bag(path):
+    if names.is_bag(path):
         # imported here because loading rosbag takes time
         from img_recog.recordings.bags import BagFrames
         return BagFrames(path, options.topic, options.max_image_pixels)
     if options.topic:
-        raise UserError('cannot replay {}: --topic is for a bag, and it is not a bag'.format(path))
+        raise UserError('cannot read {}: --topic is for a bag, and it is not a bag'.format(path))
     return FilmFrames(path, options.max_image_pixels, options.framerate)

@@ -18,7 +18,6 @@ from img_recog.processes.signals import Interrupts
 from img_recog.recognition import parameter_file
 from img_recog.recognition.settings import RecognitionSettings
 from img_recog.recordings.bag_file import DAMAGE_ERRORS, damaged, open_bag
-from img_recog.recordings.bags import check_bag
 from img_recog.replay import programs
 from img_recog.replay.drive import Drive, odometry_of, topics_beside
 from img_recog.replay.figure import ReplayFigure
@@ -45,7 +44,6 @@ def _make(arguments: List[str], _: Interrupts) -> str:
     path, output = os.path.expanduser(options.bag), os.path.expanduser(options.output)
     settings = programs.recognition_settings(options.colors)
     if path:
-        check_bag(path, 'draw', _BAG_ADVICE)
         files.refuse_input(output, path, 'drawn', 'give the picture another name')
     with contextlib.ExitStack() as stack:
         file, = stack.enter_context(files.atomic_write(
@@ -76,7 +74,7 @@ def _read(path: str, title: str, odometry: str, robot: str, settings: Recognitio
 
     title: of the bag in messages; odometry: its topic, '' to choose that of a robot.
     """
-    with open_bag(path) as bag:
+    with open_bag(path, advice=_BAG_ADVICE) as bag:
         try:
             types = {name: topic.msg_type
                      for name, topic in bag.get_type_and_topic_info().topics.items()}

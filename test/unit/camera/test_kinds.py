@@ -188,7 +188,7 @@ def compared(path):
     except SourceError as error:
         if 'it has no decoder' in str(error) and not is_same_ffmpeg():
             pytest.skip(str(error))
-        with pytest.raises(UserError, match='neither a video nor an image'):
+        with pytest.raises(UserError, match='neither a video nor an image|of a kind that OpenCV'):
             FilmFrames(path)
         return 'refused', ''
     others = [frame.image for frame in FilmFrames(path)]

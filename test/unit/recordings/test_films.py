@@ -41,8 +41,8 @@ def test_a_folder_is_what_the_node_shows_of_it(tmp_path, rate_hz):
     assert frames.period_ns == round(1e9 / rate_hz)
     assert frames.warnings == [
         '1 of 7 entries of the folder {} left out: film.mp4'.format(tmp_path),
-        '2 of 6 images cannot be used; the first is cannot read the image {}/0.png'.format(
-            tmp_path)]
+        '2 of 6 images cannot be used; the first is frame 0: cannot read the image '
+        '{}/0.png: it is damaged, or of a kind that OpenCV does not read'.format(tmp_path)]
 
 
 def test_a_picture_is_one_frame(tmp_path):

@@ -1,4 +1,5 @@
 """Recordings by names, folders and patterns: what opens by itself is found in a folder."""
+import errno
 import os
 import shutil
 import subprocess
@@ -10,7 +11,7 @@ import rosbag
 from std_msgs.msg import String
 
 from img_recog.errors import UserError
-from img_recog.recordings.names import expand
+from img_recog.recordings.names import expand, is_bag
 
 RAW = 'h264', 'hevc', 'm4v', 'mjpeg'       # films without a container
 FILMS = ('3gp', 'asf', 'avi', 'f4v', 'flv', 'gif', 'm2ts', 'mkv', 'mov', 'mp4', 'mpg', 'mts',
@@ -81,3 +82,14 @@ def test_a_name_that_means_no_recording_is_refused(tmp_path, name, reason):
     with pytest.raises(UserError) as refused:
         expand([str(tmp_path / name)])
     assert refused.value.problem == 'cannot read {}: {}'.format(tmp_path / name, reason)
+
+
+def test_a_recording_that_may_not_be_read(tmp_path, monkeypatch):
+    def denied(path, mode):
+        raise PermissionError(errno.EACCES, 'Permission denied', path)
+    path = tmp_path / 'a.bag'
+    path.write_bytes(b'')
+    monkeypatch.setattr('builtins.open', denied)        # root may read each file
+    with pytest.raises(UserError, match='^cannot read {}: permission denied; see its permissions '
+                       .format(path)):
+        is_bag(str(path))

@@ -13,6 +13,7 @@ from img_recog.errors import UserError
 from img_recog.recordings import parts
 from img_recog.recordings.bags import BagFrames
 from img_recog.recordings.films import FilmFrames
+from img_recog.recordings.frames import Remarks
 from img_recog_helpers.videos import smooth_image
 
 COUNT = 90
@@ -108,3 +109,25 @@ def test_images_keep_their_limit(tmp_path):
         parts.divide(path, max_pixels=96 * 64 - 1)
     assert np.array_equal(next(parts.read(path, parts.divide(path, frames=10)[1]).read()).image,
                           list(FilmFrames(path))[10].image)
+
+
+def test_damaged_frames_of_a_film_are_counted_in_the_whole_and_in_its_parts(tmp_path):
+    path = film(tmp_path / 'film.avi', 'mjpeg')
+    data = bytearray((tmp_path / 'film.avi').read_bytes())
+    starts = [index for index in range(len(data)) if data[index:index + 3] == b'\xff\xd8\xff']
+    for number in (40, 70):
+        data[starts[number]:starts[number + 1] - 8] = bytes(starts[number + 1] - 8 - starts[number])
+    (tmp_path / 'film.avi').write_bytes(data)
+    whole = FilmFrames(path)
+    numbers = [frame.number for frame in whole]
+    assert whole.warnings == ['2 of 90 images cannot be used; the first is an empty or damaged '
+                              'frame of ' + path]
+    read, found = of_parts(path, 20)
+    assert len(found) > 2 and sum(map(len, read)) == len(numbers) == COUNT - 2
+    remarks = Remarks()
+    for part in found:
+        frames = parts.read(path, part)
+        list(frames.read())
+        remarks = remarks.plus(frames.remarks)
+    assert remarks == whole.remarks
+    assert numbers[-1] == read[-1][-1][0] == COUNT - 1

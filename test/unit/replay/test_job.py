@@ -145,8 +145,8 @@ def test_a_folder_of_pictures_is_replayed_at_a_rate(run, tmp_path, caplog):
     assert code == 0 and text.startswith('2 frames, 0.500 s simulated')
     assert caplog.messages == [
         '1 of 4 entries of the folder pictures/ left out: notes.txt',
-        '1 of 3 images cannot be used; the first is image pictures/c.png is 96x64 in a folder of '
-        '64x64']
+        '1 of 3 images cannot be used; the first is frame 2: image pictures/c.png is 96x64 in a '
+        'folder of 64x64']
 
 
 def test_a_bag_ends_a_period_after_its_last_image_and_bad_ones_are_warned_of(run, caplog):

@@ -116,7 +116,7 @@ def test_one_of_several_robots(plot, tmp_path):
 
 
 @pytest.mark.parametrize('content, problem', [
-    (None, 'cannot draw {}: no such file; give a bag, as of ./run demo record:=FILE, or none'),
+    (None, 'cannot read {}: no such file; give a bag, as of ./run demo record:=FILE, or none'),
     (b'junk', 'cannot read {} as a bag: '),
     ([('/chatter', String('x'), 1.0)],
      'in.bag has no odometry on /odom; there is none of type nav_msgs/Odometry; record it'),
