@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
 """Four robots in one world, each with its own images and colors."""
+import math
 import unittest
 
 import numpy as np
@@ -10,8 +11,7 @@ from geometry_msgs.msg import Twist
 from nav_msgs.msg import Odometry
 from sensor_msgs.msg import Image, Imu, JointState, LaserScan
 
-from img_recog_helpers.driven import place, reset_world
-from img_recog_helpers.recording import Recorder, main, wait_for
+from img_recog_helpers.recording import Recorder, call, main, wait_for
 
 NAMES = ['tb3_{}'.format(number) for number in range(4)]
 # what the robot of that number does: the velocities that its node commands
@@ -22,7 +22,8 @@ STARTS = {'tb3_0': (-1.0, -2.0), 'tb3_1': (0.0, -2.0), 'tb3_2': (-1.0, 1.5),
 
 
 def position(msg):
-    return np.array(place(msg))
+    """Return x and y of an odometry."""
+    return np.array((msg.pose.pose.position.x, msg.pose.pose.position.y))
 
 
 class SeveralRobotsTest(unittest.TestCase):
@@ -42,7 +43,16 @@ class SeveralRobotsTest(unittest.TestCase):
     @classmethod
     def _begin_again(cls):
         """Move the robots to their starts, and forget what was before: some may have arrived."""
-        since = reset_world({cls.odometry[name]: start for name, start in STARTS.items()})
+        call('/gazebo/reset_world')
+        # what was sent before may still be on its way, from robots that have hardly left
+        after = rospy.Time.now() + rospy.Duration(0.1)
+
+        def stamps():       # they may drive away at once
+            found = [[msg.header.stamp for msg in list(cls.odometry[name].messages)
+                      if msg.header.stamp > after and math.dist(position(msg), start) < 0.05]
+                     for name, start in STARTS.items()]
+            return [each[-1] for each in found] if all(found) else None
+        since = max(wait_for(stamps, 'the robots at their starts'))
         for recorder in (*cls.odometry.values(), *cls.scans.values()):
             recorder.forget(since)
             recorder.wait()
