@@ -63,8 +63,8 @@ gazebo_msgs/srv/ApplyJointEffort.srv: string joint_name; float64 effort; time st
 gazebo_msgs/srv/BodyRequest.srv: string body_name; ---
 gazebo_msgs/srv/JointRequest.srv: string joint_name; ---"""
 DEFINITIONS = {
-    name: fields.replace('ANSWER', 'bool success; string status_message').replace('; ', '\n') + '\n'
-    for name, fields in (line.split(': ', 1) for line in _DEFINITIONS.replace(
+    name: fields.replace('ANSWER', 'bool success; string status_message').replace('; ', '\n')
+    + '\n' for name, fields in (line.split(': ', 1) for line in _DEFINITIONS.replace(
         '\n  ', ' ').strip().splitlines())}
 MANIFEST = ('<package><name>gazebo_msgs</name><version>0.0.0</version><license>none</license>'
             '<description>stand-in</description><maintainer email="a@b.c">a</maintainer>'

@@ -1,9 +1,8 @@
 #!/usr/bin/env python3
-"""Headers, encodings and values of the demo's messages, and the color images bit for bit."""
+"""Headers, encodings and values of the demo's messages."""
 import itertools
 import unittest
 
-import cv2
 import numpy as np
 from geometry_msgs.msg import Twist
 from nav_msgs.msg import Odometry
@@ -11,20 +10,7 @@ from rosgraph_msgs.msg import Clock
 from sensor_msgs.msg import CameraInfo, Image, Imu, JointState, LaserScan
 from tf2_msgs.msg import TFMessage
 
-from img_recog_helpers import plain_opencv
 from img_recog_helpers.recording import Recorder, from_node, main, wait_for
-
-
-COLOR_IMAGES = ('/blue_image', '/red_image')
-
-
-def pixels(msg):
-    """Return the bytes of an 8-bit, 3-channel image message as an array."""
-    return np.frombuffer(msg.data, np.uint8).reshape(msg.height, msg.width, 3)
-
-
-def stamps(messages):
-    return [msg.header.stamp for msg in messages]
 
 
 class FramesTest(unittest.TestCase):
@@ -33,9 +19,8 @@ class FramesTest(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
         types = {'/usb_cam/image_raw': Image, '/usb_cam/camera_info': CameraInfo,
-                 '/blue_image': Image, '/red_image': Image, '/odom': Odometry,
-                 '/joint_states': JointState, '/imu': Imu, '/scan': LaserScan, '/clock': Clock,
-                 '/tf': TFMessage}
+                 '/odom': Odometry, '/joint_states': JointState, '/imu': Imu, '/scan': LaserScan,
+                 '/clock': Clock, '/tf': TFMessage}
         cls.topics = {name: Recorder(name, message_type) for name, message_type in types.items()}
         cls.idle = Recorder('/cmd_vel', Twist, from_node('/turtlebot3_teleop_keyboard'))
         for name, recorder in cls.topics.items():       # all arrive at the same time
@@ -67,34 +52,9 @@ class FramesTest(unittest.TestCase):
                      < 5.0, 'stamps of simulated time on ' + name)
             self.assertGreater(stamp(name), 0.0, name)
 
-    def test_color_images_equal_plain_opencv_bit_for_bit(self):
-        recorders = [self.topics[name] for name in ('/usb_cam/image_raw', *COLOR_IMAGES)]
-
-        def count_common():
-            frames, *others = (set(stamps(list(each.messages))) for each in recorders)
-            return min(len(frames & other) for other in others)
-        # a busy machine drops frames, and of each topic others
-        wait_for(lambda: count_common() > 30, lambda: '{} frames'.format(count_common()))
-        frames = {msg.header.stamp: msg
-                  for msg in list(self.topics['/usb_cam/image_raw'].messages)}
-        for number, topic in enumerate(COLOR_IMAGES):
-            compared = 0
-            for msg in list(self.topics[topic].messages):
-                if msg.header.stamp not in frames:
-                    continue
-                bgr = cv2.cvtColor(pixels(frames[msg.header.stamp]), cv2.COLOR_RGB2BGR)
-                _, expected = plain_opencv.results(bgr)[number]
-                self.assertEqual(('bgr8', 'head_camera'), (msg.encoding, msg.header.frame_id))
-                self.assertTrue(np.array_equal(expected, pixels(msg)), topic)
-                compared += 1
-            self.assertGreater(compared, 30, topic)
-
     def test_odometry(self):
         for msg in list(self.topics['/odom'].messages):
             self.assertEqual(('odom', 'base_footprint'), (msg.header.frame_id, msg.child_frame_id))
-            self.assertEqual([1e-5, 1e-5, 1e12, 1e12, 1e12, 1e-3],
-                             [msg.pose.covariance[i] for i in range(0, 36, 7)])
-            self.assertEqual(30, msg.pose.covariance.count(0.0))
 
     def test_tf_has_one_parent_for_each_frame_and_no_stamp_twice(self):
         def transforms():

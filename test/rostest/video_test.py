@@ -9,7 +9,6 @@ import cv_bridge
 import numpy as np
 import rospy
 from geometry_msgs.msg import Twist
-from nav_msgs.msg import Odometry
 from sensor_msgs.msg import CompressedImage, Image
 
 from img_recog_helpers import plain_opencv
@@ -50,7 +49,6 @@ class VideoTest(unittest.TestCase):
                          queue_size=100, buff_size=1 << 26)
         cls.areas = AreaLines()
         cls.twists = Recorder('/cmd_vel', Twist, from_node('/color_extract'))
-        cls.odometry = Recorder('/odom', Odometry)
         wait_for(lambda: cls.areas.messages and cls.twists.messages and cls.blue and cls.red
                  and cls.png, 'all outputs', 120)
         cls._begin_again()
@@ -156,13 +154,6 @@ class VideoTest(unittest.TestCase):
                  'a command for each color above the limit')
         twists = self.twists.messages[:len(wanted)]
         self.assertEqual(wanted, [twist.linear.x for twist in twists])
-
-    def test_the_robot_moved_forward_and_backward(self):
-        def moved():
-            speeds = [msg.twist.twist.linear.x for msg in list(self.odometry.messages)]
-            return speeds if speeds and max(speeds) > 0.02 and min(speeds) < -0.02 else None
-        speeds = wait_for(moved, 'the robot to drive forward and backward')
-        self.assertGreater(sum(abs(speed) < 0.005 for speed in speeds), 0.5 * len(speeds))
 
 
 if __name__ == '__main__':

@@ -18,7 +18,7 @@ from img_recog.testing import Simulation
 from img_recog.testing.topics import pose_from_msg
 from img_recog_helpers import turtlebot3_world
 from img_recog_helpers.pages import ROOT
-from img_recog_helpers.recording import Recorder, call, from_node
+from img_recog_helpers.recording import Recorder, from_node
 from img_recog_helpers.waiting import wait_for
 
 START = -2.0, -0.5
@@ -30,7 +30,8 @@ CENTER_X, RADIUS = -0.032, 0.112
 @contextlib.contextmanager
 def driven(command, **arguments):
     """Run a simulation in which this process answers each scan by a command."""
-    with Simulation(camera='none', lockstep='cmd_vel', lockstep_sensors='scan', **arguments) as sim:
+    with Simulation(camera='none', lockstep='cmd_vel', lockstep_sensors='scan',
+                    **arguments) as sim:
         commands = rospy.Publisher('/cmd_vel', Twist, queue_size=1)
         answers = rospy.Subscriber('/scan', LaserScan, lambda msg: commands.publish(command(msg)),
                                    tcp_nodelay=True)
@@ -218,7 +219,8 @@ def test_the_articles_colors_drive_away_from_red_until_it_is_small():
     # the post is at -3.4; it has 1000 pixels at 3.2 m
     assert -0.9 < places[-1] < 0.3 and min(np.diff(places)) > -0.002
     assert all(abs(abs(pose.yaw) - math.pi) < 0.2 for pose in poses)
-    assert (seen.commands.messages[0].linear.x, seen.commands.messages[0].angular.z) == (-10.0, 0.0)
+    first = seen.commands.messages[0]
+    assert (first.linear.x, first.angular.z) == (-10.0, 0.0)
 
 
 def test_the_colors_of_follow_yaml_stop_before_a_post():
