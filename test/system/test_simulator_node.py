@@ -1,5 +1,4 @@
 """The simulator as a process: refused input, parameters and tags, and robustness."""
-import functools
 import math
 import re
 
@@ -15,41 +14,6 @@ from img_recog_helpers.simulator_tools import (Echo, Images, burger, call, compl
 from img_recog_helpers.waiting import wait_for
 
 pytestmark = pytest.mark.usefixtures('shared_ros')       # one master
-
-
-def wheel_mass(mass):
-    return burger().replace('value="0.02849894"', 'value="{}"'.format(mass), 1)
-
-
-REFUSED = {
-    'scan period': ('_scan_period_s:=0.0335', burger, 'scan_period_s: got 0.0335 s',
-                    'set 0.033 or 0.034'),
-    'two sensors': ('_imu_topic:=scan', burger, 'two sensors are on the topic /scan',
-                    'give each another topic'),
-    **{tag + topic: ('', functools.partial(with_tags, **{tag: topic}),
-                     'the topic {} is not that of a robot'.format(topic), 'give its plugin')
-       for tag, topic in (('commandTopic', '/clock'), ('odometryTopic', '/tf'),
-                          ('odometryTopic', '/rosout'))},
-    'odometry source': ('_odometry_source:=gps', burger, "/gazebo/odometry_source: got 'gps'",
-                        'one of encoder, world'),
-    'view': ('_view:=below', burger, "/gazebo/view: got 'below'", 'one of above, follow'),
-    'scan frame': ('_scan_frame:=nowhere', robots.burger, 'no link nowhere',
-                   'base_footprint, base_link'),
-    'wheel without mass': ('', lambda: wheel_mass('0'), 'joint wheel_left_joint is left out',
-                           'add an <inertial>'),
-    'wheel of NaN mass': ('', lambda: wheel_mass('nan'), 'mass of link wheel_left_link: got',
-                          'finite number'),
-    'tag': ('', lambda: with_tags(wheelSeparation='wide'),
-            "<wheelSeparation> of plugin drive: got 'wide'", 'a finite number'),
-}
-
-
-@pytest.mark.parametrize('parameter, urdf, named, advice', list(REFUSED.values()),
-                         ids=list(REFUSED))
-def test_refuses(simulate, parameter, urdf, named, advice):
-    node = simulate(*filter(None, [parameter]), urdf=urdf())
-    line = node.fatal_line()
-    assert named in line and advice in line, line
 
 
 MESH = ('<link name="cover"><visual><geometry><mesh filename="package://no_such_package/x.stl"/>'

@@ -67,6 +67,7 @@ def test_options_and_their_defaults():
     (['--camera', 'robot', '--seconds', '0'],
      'argument --seconds: got 0, allowed is more than 0'),
     (['a', '--outp', 'b'], 'unrecognized arguments: --outp'),
+    (['a', 'world:=empty'], 'unrecognized arguments: world:=empty'),
     (['a', '--x-pos', 'b'], "argument --x-pos: invalid float value: 'b'"),
     (['a', '--yaw'], 'argument --yaw: expected one argument')])
 def test_options_that_are_refused(capsys, arguments, words):

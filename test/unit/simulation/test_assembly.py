@@ -144,8 +144,12 @@ def test_text_that_cannot_be_used_is_refused_with_its_source(value, words):
         'cannot use the robot in robot.urdf: ' + words)
 
 
-def test_robot_that_does_not_fit_its_settings_is_refused_with_its_source():
-    assert refusal(assemble, drive=burgers_drive(left_joint='axle')) == (
-        'cannot use the robot in robot_description: the robot has no movable joint axle '
-        '(movable joints: wheel_left_joint, wheel_right_joint); '
-        'set left_joint to the joint of a wheel')
+@pytest.mark.parametrize('urdf, joint, words', [
+    (burger(), 'axle', 'the robot has no movable joint axle (movable joints: wheel_left_joint, '
+     'wheel_right_joint); set left_joint to the joint of a wheel'),
+    (burger().replace('value="0.02849894"', 'value="0"', 1), 'wheel_left_joint',
+     'left_joint: joint wheel_left_joint is left out, because what it moves has no mass; add an '
+     '<inertial> to that link')])
+def test_robot_that_does_not_fit_its_settings_is_refused_with_its_source(urdf, joint, words):
+    assert refusal(assemble, urdf=urdf, drive=burgers_drive(left_joint=joint)) == (
+        'cannot use the robot in robot_description: ' + words)

@@ -3,7 +3,8 @@ import pytest
 
 from img_recog.nodes.gazebo.topic_checks import check_topics
 from img_recog.simulation.names import Names
-from img_recog.simulation.settings import CameraSettings
+from img_recog.simulation.sensors.odometry import OdometrySettings
+from img_recog.simulation.settings import CameraSettings, DriveSettings
 from img_recog_helpers import robots
 from img_recog_helpers.refusals import refusal
 from img_recog_helpers.robots import burger, read
@@ -24,9 +25,12 @@ def test_a_robot_may_have_the_topics_of_another_in_its_namespace():
     (PLAIN.with_sensor(robots.CAMERA, CameraSettings(
         camera_frame='base_link', camera_image_topic='scan', camera_info_topic='a')), [],
      'two sensors are on the topic'),
-    (SPEC.changed(drive=SPEC.settings.drive.__class__(command_topic='/clock')), [],
-     'the topic /clock is not that of a robot'),
-    (SPEC.changed(drive=SPEC.settings.drive.__class__(command_topic='scan')), [],
+    *((SPEC.changed(drive=DriveSettings(command_topic=topic)), [],
+       'the topic {} is not that of a robot'.format(topic)) for topic in ('/clock', '/tf')),
+    *((SPEC.changed(sensors={**SPEC.settings.sensors, 'odometry': OdometrySettings(
+        odometry_topic=topic)}), [], 'the topic {} is not that of a robot'.format(topic))
+      for topic in ('/tf', '/rosout')),
+    (SPEC.changed(drive=DriveSettings(command_topic='scan')), [],
      'a sensor and commands are on the topic'),
     (PLAIN.with_sensor(robots.CAMERA, CameraSettings(camera_image_topic='not a name')), [],
      "camera_image_topic: got 'not a name'")])
