@@ -71,17 +71,6 @@ def test_after_the_camera_is_killed_the_robot_stops_and_the_others_run(ros):
     assert [name for name, pid in pids.items() if not is_alive(pid)] == ['usb_cam']
 
 
-def test_second_simulator_replaces_the_first(simulate, shared_ros):
-    # not in the demo, which ends when its simulator ends
-    first = simulate()
-    first.wait_output('simulating 1.0017 kg')
-    second = simulate()
-    second.wait_output('simulating 1.0017 kg')
-    assert first.wait() == 0
-    assert shared_ros.node_pid('/gazebo') == second.pid
-    assert 'Traceback' not in first.output + second.output, first.output + second.output
-
-
 def test_window_without_a_display_is_one_warning(ros):
     demo = ros.demo('gui:=true', 'recognition:=false')
     demo.wait_output(r'\[WARN\].*no window: .*the simulation goes on')

@@ -130,10 +130,11 @@ def test_its_topic_is_published(roscore, tree, addition, topic, frame):
             if '[WARN]' in line and 'too slow for real_time_factor' not in line] == []
 
 
-def test_it_is_missing_in_the_documentation(ros, tree):
+def test_it_breaks_no_wall_and_is_missing_in_the_documentation(ros, tree):
     done = subprocess.run(
         [sys.executable, '-m', 'pytest', '-q', '-p', 'no:cacheprovider', '-k',
-         '(topics or parameters) and gazebo', 'test/system/test_documentation.py'],
+         'test_walls or (topics or parameters) and gazebo', 'test/system/test_documentation.py',
+         'test/unit/test_walls.py'],
         cwd=str(tree), env=env_of(ros, tree), stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
         check=False)
     lines = done.stdout.decode()
@@ -141,8 +142,3 @@ def test_it_is_missing_in_the_documentation(ros, tree):
     assert 'missing: sonar (sensor_msgs/Range)' in lines
     assert 'missing: | `sonar_range_max` | `4.0` | a finite number above 0 | |' in lines
     assert '2 failed' in lines
-
-
-def test_no_wall_is_broken(ros, tree):
-    subprocess.run([sys.executable, '-m', 'pytest', '-q', '-p', 'no:cacheprovider',
-                    'test/unit/test_walls.py'], cwd=str(tree), env=env_of(ros, tree), check=True)

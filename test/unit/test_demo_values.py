@@ -44,6 +44,14 @@ def test_no_number(check, name, value):
     (['urdf:=/no.urdf'], 'cannot read the robot in /no.urdf: No such file or '),
     (['world:=no.sdf'], "world: got 'no.sdf', which cannot be read as a file ("),
     (['world:='], "world: got '', which cannot be read as a file ("),
+    (['pixel_format:=x'], "pixel_format: got 'x', allowed is one of "),
+    (['view:=x'], "view: got 'x', allowed is one of "),
+    (['real_time_factor:=-1'], 'real_time_factor: got -1.0, allowed is '),
+    (['cmd_vel_timeout:=-1'], 'cmd_vel_timeout: got -1.0, allowed is a finite number at least 0'),
+    (['x_pos:=1e9'], 'x_pos: got 1000000000.0, allowed is a finite number from -1000 to 1000'),
+    (['lockstep_sensors:=sonar'],
+     "lockstep_sensors: got 'sonar', allowed is some of image, scan"),
+    (['camera:=robot', 'image_width:=8000'], 'camera_width: got 8000, allowed is a whole number '),
     (['robots:=2', 'image_width:=8000'], 'image_width: got 8000, allowed is a whole number from '
                                          '1 to 4096')])
 def test_refused(check, words, problem):
