@@ -32,8 +32,8 @@ def main() -> int:
     client, physics = connect(), PhysicsSettings()
     world = World(physics, world_file.read('turtlebot3_world', worlds), client)
     vehicle = Vehicle(assemble.robot(os.path.join(FOLDER, 'turtlebot3_burger.urdf')), world)
-    # the speeds of sample.py, without a ramp: 0.1 m/s and 0.5 rad/s
-    vehicle.robot.set_wheel_velocities(((0.1 - 0.04) / 0.033, (0.1 + 0.04) / 0.033))
+    # the speeds of drive_sample.py, without a ramp: 0.02 m/s and 0.5 rad/s
+    vehicle.robot.set_wheel_velocities(((0.02 - 0.04) / 0.033, (0.02 + 0.04) / 0.033))
     world.step(BATCH)
     for line in sys.stdin:
         sys.stdout.write('{}\n'.format(steps_per_s(world, float(line))))

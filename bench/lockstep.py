@@ -2,16 +2,15 @@
 import os
 import sys
 import time
-from statistics import median
-from typing import Callable
 
+from pairs import Benchmark, Column
 from ros_processes import HERE, Master, run_script
 
-ROUNDS, SECONDS = 3, 20.0
-CASES = (('without lockstep', ()), ('lockstep', ('lockstep:=cmd_vel',)))
+SECONDS = 20.0
+WAYS = {'without lockstep': (), 'lockstep': ('lockstep:=cmd_vel',)}
 
 
-def run(arguments: tuple) -> dict:
+def _run(arguments: tuple) -> dict:
     """Return what lockstep_sample.py measures, and the time from the start of roslaunch on."""
     begin_s = time.monotonic()
     with Master() as master:
@@ -26,32 +25,10 @@ def run(arguments: tuple) -> dict:
     return dict(found, whole_s=time.monotonic() - begin_s)
 
 
-def count() -> int:
-    """Return the number of measurements that `measure` makes."""
-    return ROUNDS * len(CASES)
-
-
-def measure(done: Callable[[], None]) -> dict:
-    """Return the medians over several rounds, in pairs; done: called after each measurement."""
-    samples: dict = {name: [] for name, _ in CASES}
-    for _ in range(ROUNDS):
-        for name, arguments in CASES:
-            samples[name].append(run(arguments))
-            done()
-    rows = [dict({key: median(each[key] for each in found)
-                  for key in ('wall_s', 'whole_s', 'commands')},
-                 case=name, paths=len({each['path'] for each in found}))
-            for name, found in samples.items()]
-    ratios = [with_it['wall_s'] / without['wall_s']
-              for without, with_it in zip(*samples.values())]
-    return {'rows': rows, 'ratio': median(ratios)}
-
-
-def table(results: dict) -> str:
-    """Return the results as a table."""
-    lines = ['{:36} {:>8} {:>12} {:>9} {:>16}'.format(
-        '20 simulated s, 640x480 at 30 Hz', 'wall', 'with start', 'commands', 'different paths')]
-    for row in results['rows']:
-        lines.append('{case:36} {wall_s:6.1f} s {whole_s:10.1f} s {commands:9.0f} {paths:9} of {}'
-                     .format(ROUNDS, **row))
-    return '\n'.join(lines + ['ratio of the wall times, paired: {ratio:.2f}'.format(**results)])
+def benchmark() -> Benchmark:
+    """Return how long simulated time takes."""
+    return Benchmark('20 simulated s, 640x480 at 30 Hz', {
+        '': lambda: {name: [_run(arguments)] for name, arguments in WAYS.items()}}, (
+            Column('wall', 'wall_s', '{:.1f} s', has_ratio=True),
+            Column('with start', 'whole_s', '{:.1f} s'),
+            Column('commands', 'commands', '{:.0f}')))

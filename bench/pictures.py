@@ -1,4 +1,4 @@
-"""The images of the benchmarks: frames of a film, of noise, and of the card."""
+"""The images of the benchmarks: frames of a film, and of noise."""
 import os
 import sys
 from typing import List
@@ -6,13 +6,10 @@ from typing import List
 import cv2
 import numpy as np
 
-from img_recog.camera.synthetic import draw_frame
-
 _FILM = os.path.join(os.path.dirname(os.path.abspath(__file__)), os.pardir, 'test', 'data',
                      'bikes.mp4')
 _FILM_CARD, _FILM_CARD_RGB = (0.15, 0.15), (30, 60, 200)       # its share of the width and height
 _RED, _GREY = ((150, 100, 150), (180, 255, 255)), 128           # the article's range
-_FIRST_CARD_FRAME = 50          # from here on, the whole blue card is in the image
 _FRAMES = 10                    # of each kind
 
 
@@ -50,11 +47,6 @@ def noise(width: int, height: int) -> List[np.ndarray]:
             for _ in range(_FRAMES)]
 
 
-def card(width: int, height: int) -> List[np.ndarray]:
-    """Return frames of the synthetic camera: a blue card before a plain wall."""
-    return [draw_frame(_FIRST_CARD_FRAME + number, width, height) for number in range(_FRAMES)]
-
-
 # each returns images in rgb8, uint8 of shape (height, width, 3)
-KINDS = {'film': film, 'noise': noise, 'card': card}
-COMMANDS = {'film': 1, 'noise': 2, 'card': 1}       # for each image
+KINDS = {'film': film, 'noise': noise}
+COMMANDS = {'film': 1, 'noise': 2}       # for each image

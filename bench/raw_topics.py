@@ -1,6 +1,5 @@
 """Connections to topics without rospy, whose own work would be measured too."""
 import contextlib
-import selectors
 import socket
 import struct
 import threading
@@ -67,13 +66,14 @@ def _receive(sock: socket.socket, memory: Union[bytearray, memoryview]
 
 
 class Readers:
-    """A context manager: subscribers to topics that drop the messages, in one thread."""
+    """A context manager: subscribers to topics that drop the messages, each in a thread."""
 
     def __init__(self, topics: Sequence[str], master_uri: str):
         """Subscribe; wait until each topic has a publisher."""
         self._sockets = [connect(topic, master_uri) for topic in topics]
-        self._thread = threading.Thread(target=self._read, daemon=True)
-        self._thread.start()
+        self._threads = [threading.Thread(target=_drop, args=(sock,)) for sock in self._sockets]
+        for thread in self._threads:
+            thread.start()
 
     def __enter__(self) -> 'Readers':
         return self
@@ -81,24 +81,12 @@ class Readers:
     def __exit__(self, *_):
         for sock in self._sockets:
             with contextlib.suppress(OSError):      # closed by the publisher
-                sock.shutdown(socket.SHUT_RDWR)     # the thread reads the end then
-        self.wait()
+                sock.shutdown(socket.SHUT_RDWR)     # its thread reads the end then
+        for thread in self._threads:
+            thread.join()
 
-    def wait(self) -> None:
-        """Wait until all connections have ended."""
-        self._thread.join()
 
-    def _read(self) -> None:
-        scratch = memoryview(bytearray(_BUFFER_BYTES))
-        with selectors.DefaultSelector() as selector:
-            for sock in self._sockets:
-                selector.register(sock, selectors.EVENT_READ)
-            while selector.get_map():
-                for key, _ in selector.select():
-                    try:
-                        count = key.fileobj.recv_into(scratch)
-                    except OSError:         # reset
-                        count = 0
-                    if not count:
-                        selector.unregister(key.fileobj)
-                        key.fileobj.close()
+def _drop(sock: socket.socket) -> None:
+    with sock, contextlib.suppress(OSError):
+        while sock.recv(_BUFFER_BYTES):
+            pass

@@ -6,11 +6,12 @@ import subprocess
 import sys
 import threading
 import time
-from typing import Dict, List, Optional
+from typing import Any, Dict, List, Optional
 
 import rosgraph
 
 HERE = os.path.dirname(os.path.abspath(__file__))
+PACKAGE = os.path.dirname(HERE)
 _START_TIMEOUT_S = 60.0
 _POLL = threading.Event()
 
@@ -60,6 +61,21 @@ class Master:
         self._processes.append(process)
         return process
 
+    def start_script(self, name: str, *arguments: str, **options: Any) -> subprocess.Popen:
+        """Start a script of the package; options: of `start`."""
+        return self.start(sys.executable, os.path.join(PACKAGE, 'scripts', name), *arguments,
+                          **options)
+
+    def start_simulator(self, env: Optional[Dict[str, str]] = None, **parameters: Any) -> int:
+        """Start the simulator with the burger; return its process id when it publishes."""
+        with open(os.path.join(PACKAGE, 'urdf', 'turtlebot3_burger.urdf')) as file:
+            self.server.setParam('/robot_description', file.read())
+        self.server.setParam('/use_sim_time', True)
+        self.server.setParam('/gazebo', parameters)
+        process = self.start_script('pybullet_sim.py', '__name:=gazebo', env=env)
+        wait_for(lambda: '/clock' in dict(self.server.getPublishedTopics('')), 'the simulator')
+        return process.pid
+
 
 def free_port() -> int:
     """Return a port of the loopback that nobody uses now."""
@@ -86,8 +102,12 @@ def wait_for(condition, what: str, period_s: float = 0.1):
 
 
 def run_script(name: str, *arguments, env: Optional[Dict[str, str]] = None):
-    """Run a script of this folder; return the last line of its output, decoded from JSON."""
-    command = [sys.executable, os.path.join(HERE, name), *map(str, arguments)]
+    """Run a script of this folder; return the last line of its output, decoded from JSON.
+
+    Arguments that are no texts are given to it as JSON.
+    """
+    command = [sys.executable, os.path.join(HERE, name), *(
+        each if isinstance(each, str) else json.dumps(each) for each in arguments)]
     output = subprocess.run(command, env=env, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL,
                             check=True).stdout
     return json.loads(output.decode().splitlines()[-1])

@@ -3,30 +3,27 @@ import os
 import socket
 import subprocess
 import time
-from statistics import median
-from typing import Callable, Dict
+from typing import Dict
 
 import raw_topics
 from nav_msgs.msg import Odometry
-from ros_processes import HERE, free_port, wait_for
+from pairs import Benchmark, Column, each
+from ros_processes import PACKAGE, free_port, wait_for
 
-RUNS = 3
 POLL_PERIOD_S = 0.02
 MOVING_M_S = 0.01
 END_TIMEOUT_S = 20.0
 # what ./run bench has set, but not the shell of a user
 SET_BY_RUN = ('ROS_', 'CATKIN_', 'CMAKE_', 'PKG_CONFIG_', 'PYTHONPATH', 'DISPLAY')
-STAGES = {'master': 'the master answers', 'odometry': 'the simulator publishes',
-          'motion': 'the robot moves'}
 
 
 def start() -> Dict[str, float]:
-    """Start the demo, and return how long each of STAGES took, s."""
+    """Start the demo, and return how long it took until each of its stages, s."""
     port = free_port()
     env = {name: value for name, value in os.environ.items() if not name.startswith(SET_BY_RUN)}
     env['ROS_MASTER_URI'] = uri = 'http://localhost:{}'.format(port)
     begin_s = time.perf_counter()
-    demo = subprocess.Popen([os.path.join(os.path.dirname(HERE), 'run'), 'demo'], env=env,
+    demo = subprocess.Popen([os.path.join(PACKAGE, 'run'), 'demo'], env=env,
                             stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL,
                             stderr=subprocess.DEVNULL, start_new_session=True)
     times = {}
@@ -53,25 +50,9 @@ def _answers(port: int) -> bool:
     return True
 
 
-def count() -> int:
-    """Return the number of measurements that `measure` makes."""
-    return RUNS
-
-
-def measure(done: Callable[[], None]) -> dict:
-    """Return the medians of several starts, s.
-
-    done: called after each measurement.
-    """
-    samples = []
-    for _ in range(RUNS):
-        samples.append(start())
-        done()
-    return {stage: median(sample[stage] for sample in samples) for stage in STAGES}
-
-
-def table(results: dict) -> str:
-    """Return the results as a table."""
-    lines = ['{:34} {:>8}'.format('from ./run demo until', 's')]
-    lines += ['{:34} {:8.2f}'.format(words, results[stage]) for stage, words in STAGES.items()]
-    return '\n'.join(lines)
+def benchmark() -> Benchmark:
+    """Return how long starts take."""
+    return Benchmark('from ./run demo until', {'': each(**{'': start})}, (
+        Column('the master answers', 'master', '{:.2f} s'),
+        Column('the simulator publishes', 'odometry', '{:.2f} s'),
+        Column('the robot moves', 'motion', '{:.2f} s')))

@@ -141,8 +141,9 @@ def test_images_of_another_size_and_truncated_ones_in_a_folder_are_skipped(tmp_p
     (tmp_path / 'd.jpg').write_bytes(cv2.imencode('.jpg', smooth_image(4))[1].tobytes()[:-200])
     save_image(tmp_path / 'e.png', 3)
     source = opened(tmp_path)
-    for wanted in ('^cannot read the image .*0.png: it is damaged', 0, 'b.png is 80x48 in a folder of 96x64',
-                   '^cannot read the image .*d.jpg: it is damaged', 3, '^cannot read the image .*0.png: it is damaged', 0):
+    unreadable = '^cannot read the image .*{}: it is damaged, or'.format
+    for wanted in (unreadable('0.png'), 0, 'b.png is 80x48 in a folder of 96x64',
+                   unreadable('d.jpg'), 3, unreadable('0.png'), 0):
         if isinstance(wanted, int):
             assert shows(source, wanted)
         else:

@@ -116,7 +116,8 @@ def test_damaged_frames_of_a_film_are_counted_in_the_whole_and_in_its_parts(tmp_
     data = bytearray((tmp_path / 'film.avi').read_bytes())
     starts = [index for index in range(len(data)) if data[index:index + 3] == b'\xff\xd8\xff']
     for number in (40, 70):
-        data[starts[number]:starts[number + 1] - 8] = bytes(starts[number + 1] - 8 - starts[number])
+        begin, end = starts[number], starts[number + 1] - 8
+        data[begin:end] = bytes(end - begin)
     (tmp_path / 'film.avi').write_bytes(data)
     whole = FilmFrames(path)
     numbers = [frame.number for frame in whole]
