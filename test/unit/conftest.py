@@ -60,6 +60,12 @@ def patient_helper(monkeypatch):
 
 
 @pytest.fixture
+def impatient(monkeypatch):
+    """A helper process that does not end is killed at once."""
+    monkeypatch.setattr('img_recog.processes.helper_process._EXIT_TIMEOUT_S', 0.2)
+
+
+@pytest.fixture
 def clock():
     """A FakeClock."""
     return FakeClock()

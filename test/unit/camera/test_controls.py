@@ -1,6 +1,7 @@
 """V4L2 controls of a fake device: the values that are set, their order, and the problems."""
 import errno
 import os
+import struct
 
 import pytest
 
@@ -150,6 +151,10 @@ def test_names_are_those_of_v4l2_ctl(name, variable):
     assert variable_name(name) == variable
 
 
+# of linux/videodev2.h: v4l2_queryctrl and v4l2_control
+QUERYCTRL, CONTROL = struct.Struct('=II32siiiiI8x'), struct.Struct('=Ii')
+
+
 class FakeDriver:
     """Replaces fcntl.ioctl: a driver with four controls, a heading and a disabled one."""
 
@@ -168,19 +173,19 @@ class FakeDriver:
         os.fstat(descriptor)        # is it open?
         self.calls.append(request)
         if request == 0xc0445624:       # VIDIOC_QUERYCTRL of linux/videodev2.h
-            asked = controls._QUERYCTRL.unpack(data)[0]
+            asked = QUERYCTRL.unpack(data)[0]
             assert asked & 0x80000000
             for known in self._known:
                 if known[0] > asked & 0x7fffffff:
-                    return controls._QUERYCTRL.pack(*known)
+                    return QUERYCTRL.pack(*known)
             raise OSError(errno.EINVAL, 'Invalid argument')
-        control_id, value = controls._CONTROL.unpack(data)
+        control_id, value = CONTROL.unpack(data)
         assert control_id == 0x00980900
         if request == 0xc008561c:       # VIDIOC_S_CTRL
             self.value = value
         else:
             assert request == 0xc008561b        # VIDIOC_G_CTRL
-        return controls._CONTROL.pack(control_id, self.value)
+        return CONTROL.pack(control_id, self.value)
 
 
 def test_device_uses_the_ioctls_of_the_kernel(monkeypatch):

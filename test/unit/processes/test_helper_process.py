@@ -125,8 +125,7 @@ def test_one_that_is_killed(start):
 
 
 @pytest.mark.parametrize('is_stopped', [False, True])
-def test_one_that_hangs_or_is_stopped_is_killed(start, monkeypatch, is_stopped):
-    monkeypatch.setattr('img_recog.processes.helper_process._EXIT_TIMEOUT_S', 0.2)
+def test_one_that_hangs_or_is_stopped_is_killed(start, impatient, is_stopped):
     helper = start(hang, (), 0)
     pid = receive(helper)
     if is_stopped:

@@ -324,13 +324,12 @@ def test_report(make):
 
 
 @pytest.mark.parametrize('is_shutdown', [False, True])
-def test_what_waits_ends_with_the_node(make, warnings, monkeypatch, is_shutdown):
+def test_what_waits_ends_with_the_node(make, warnings, impatient, monkeypatch, is_shutdown):
     made, drawn = make()
     os.kill(start(made).pid, signal.SIGSTOP)
     drawn.draw(7)
     waiting = in_thread(drawn.draw, 8)
     assert not waiting.wait(0.2)
-    monkeypatch.setattr('img_recog.processes.helper_process._EXIT_TIMEOUT_S', 0.2)
     if is_shutdown:
         monkeypatch.setattr(image_process.rospy, 'is_shutdown', lambda: True)
     else:

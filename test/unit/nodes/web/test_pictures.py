@@ -13,58 +13,61 @@ from img_recog_helpers.waiting import wait_for
 
 
 @pytest.fixture
-def closed(monkeypatch):
-    """The topics that were closed; /bad cannot be subscribed."""
-    found = []
+def topics(monkeypatch):
+    """A PictureTopics; `callbacks` of it are those of subscribers by topic, `closed` the topics
+    that were closed. /bad cannot be subscribed.
+    """
+    made = PictureTopics()
+    made.callbacks, made.closed = {}, []
 
-    def make(name):
+    def subscribe(name, callback):
         if name == '/bad':
             raise RuntimeError('no such topic')
-        return SimpleNamespace(picture=name + ' as JPEG', encode=lambda: None,
-                               close=lambda: found.append(name))
-    monkeypatch.setattr(pictures, '_Topic', make)
+        made.callbacks[name] = callback
+        return SimpleNamespace(close=lambda: made.closed.append(name))
+    monkeypatch.setattr(pictures, 'ImageSubscriber', subscribe)
     monkeypatch.setattr(pictures, 'RETRY_PERIOD_S', 0.01)
-    return found
+    yield made
+    made.watch(set())
 
 
-def test_a_topic_that_fails_does_not_end_the_others(closed, wait_for_threads):
-    topics = PictureTopics()
-    topics.allow(['/bad', '/good'])
-    for names in ({'/bad'}, {'/bad', '/good'}, {'/good'}):
+def send(topics, name, image):
+    """Let an image come on a topic once it is subscribed; return the picture of it."""
+    before = topics.latest(name)
+    callback = wait_for(lambda: topics.callbacks.get(name), 'the subscriber')
+    callback(image_msgs.to_msg(image, 'rgb8', Header()))
+    return wait_for(lambda: topics.latest(name) != before and topics.latest(name), 'the picture')
+
+
+def test_only_topics_that_are_allowed_are_subscribed_and_one_that_fails_ends_no_other(
+        topics, wait_for_threads):
+    topics.allow(iter(['/bad', '/camera']))
+    for names in ({'/bad'}, {'/bad', '/odom', '/camera'}, {'/odom', '/camera'}):
         topics.watch(names)
-    wait_for(lambda: topics.latest('/good') == '/good as JPEG', 'the picture')
-    topics.watch(set())
-    wait_for_threads()
-    assert closed == ['/good'] and topics.latest('/good') is None
-
-
-def test_only_topics_that_are_allowed_are_subscribed(closed, wait_for_threads):
-    topics = PictureTopics()
-    topics.allow(iter(['/camera']))
-    topics.watch({'/odom', '/camera'})
-    wait_for(lambda: topics.latest('/camera') == '/camera as JPEG', 'the picture')
+    assert topics.image('/camera') is None
+    send(topics, '/camera', np.zeros((4, 6, 3), np.uint8))
     assert topics.latest('/odom') is None
     topics.watch({'/odom'})
     wait_for_threads()
-    assert closed == ['/camera']
+    assert topics.closed == ['/camera'] == list(topics.callbacks)
+    assert topics.latest('/camera') is None
 
 
-def test_the_newest_image_in_its_own_size_and_colors(monkeypatch):
-    monkeypatch.setattr(pictures, 'ImageSubscriber',
-                        lambda name, callback: SimpleNamespace(callback=callback))
-    topics = PictureTopics()
-    topic = topics._topics['/camera'] = pictures._Topic('/camera')
-    assert topics.image('/camera') is None and topics.image('/other') is None
-    images = [np.full((50, 1000, 3), value, np.uint8) for value in (10, 20)]
-    messages = [image_msgs.to_msg(image, 'rgb8', Header()) for image in images]
-    for image, msg in zip(images, messages):
+def test_the_newest_image_in_its_own_size_and_colors(topics, wait_for_threads):
+    topics.allow(['/camera'])
+    topics.watch({'/camera'})
+    assert topics.image('/other') is None
+    for value in (10, 20):
+        image = np.full((50, 1000, 3), value, np.uint8)
         image[..., 0] += 5
-        msg.data = image.tobytes()
-        topic._subscriber.callback(msg)
-        topic.encode()
+        picture = send(topics, '/camera', image)
         found = topics.image('/camera')
         assert found.shape == (50, 1000, 3) and (found[..., ::-1] == image).all()
-        shown = cv2.imdecode(np.frombuffer(topics.latest('/camera').jpeg, np.uint8), 1)
-        assert shown.shape == (32, 640, 3)
-    messages[1].data = b''
-    assert topics.image('/camera') is None
+        shown = cv2.imdecode(np.frombuffer(picture.jpeg, np.uint8), 1)
+        assert shown.shape == (32, 640, 3) and shown[..., 2].mean() == pytest.approx(
+            value + 5, abs=3)
+    bad = image_msgs.to_msg(image, 'rgb8', Header())
+    bad.data = b''
+    topics.callbacks['/camera'](bad)
+    wait_for(lambda: topics.image('/camera') is None, 'the image that cannot be used')
+    assert topics.latest('/camera') == picture

@@ -130,4 +130,4 @@ def test_the_default_size_is_that_of_rosgraph():
     if not os.path.exists(path):
         pytest.skip('this distribution has no ' + path)
     with open(path) as file:
-        assert "'a', {}, {})".format(*log_handlers._DEFAULT_SIZE) in file.read()
+        assert "'a', 50000000, 4)" in file.read()

@@ -5,6 +5,7 @@ import numpy as np
 import pybullet
 import pytest
 
+from img_recog.model import SUN
 from img_recog.rotations import transform
 from img_recog.simulation.physics.body import Pose
 from img_recog.simulation.physics.client import connect
@@ -307,7 +308,9 @@ def test_window_shows_the_newest_poses_from_the_camera_above(monkeypatch):
         '--background_color_blue=0.7', '--width=1024', '--height=768']
     assert seen['configured'] == [
         ((pybullet.COV_ENABLE_GUI, 0), {'physicsClientId': client}),
-        ((), dict(window._LIGHT, physicsClientId=client))]
+        ((), {'lightPosition': tuple(-100 * axis for axis in SUN.direction),
+              'shadowMapWorldSize': 14, 'shadowMapResolution': 4096,
+              'physicsClientId': client})]
     factor = 1.25 * np.tan(np.radians(FIELD_OF_VIEW / 2))
     assert seen['camera'] == {
         'cameraDistance': pytest.approx(12.0 * factor), 'cameraYaw': -90.0,
