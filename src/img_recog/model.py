@@ -143,6 +143,24 @@ class Friction(NamedTuple):
         return self._replace(mu=min(self.mu, limit), mu2=min(self.across, limit))
 
 
+class Contact(NamedTuple):
+    """How what touches a surface is pushed out: as ODE has it, see physics/stiffness.py.
+
+    stiffness: N/m; damping: N s/m; fastest: m/s; bounce: the share of its velocity with which it
+    comes back.
+    """
+
+    stiffness: float = 1e12
+    damping: float = 1.0
+    fastest: float = 0.01
+    bounce: float = 0.0
+
+    @property
+    def throws(self) -> bool:
+        """Whether what falls onto it comes back: else ODE lets it out too slowly for that."""
+        return self.fastest >= 10.0
+
+
 class Solid(NamedTuple):
     """A collision shape at a pose in its link.
 
@@ -155,6 +173,7 @@ class Solid(NamedTuple):
     friction: Optional[Friction] = None
     is_concave: bool = False
     bitmask: int = ALL_BITS
+    contact: Contact = Contact()
 
     @property
     def surface(self) -> Friction:

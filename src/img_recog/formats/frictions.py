@@ -1,14 +1,23 @@
-"""Friction in SDF, and in the tags of a URDF that are copied into one."""
+"""Surfaces in SDF, and in the tags of a URDF that are copied into one."""
 import xml.etree.ElementTree as ElementTree
-from typing import Callable, Optional
+from typing import Callable, Dict, Optional
 
 import numpy as np
 
 from img_recog.formats.numbers import read_lengths, read_number
-from img_recog.model import FLOOR_FRICTION, Friction
+from img_recog.model import FLOOR_FRICTION, Contact, Friction
 
 # of a negative coefficient, which in Gazebo means as much as there can be
 _MOST = 100.0
+# the fields of a Contact, below <surface> and in a tag of a URDF
+_CONTACTS = {'stiffness': ('contact/ode/kp', 'kp'), 'damping': ('contact/ode/kd', 'kd'),
+             'fastest': ('contact/ode/max_vel', 'maxVel'),
+             'bounce': ('bounce/restitution_coefficient', '')}
+_HARD_N_M = 1e7
+# what little reaches: without a <threshold>, it is 100 km/s
+_FAST_M_S = 10.0
+
+TextOf = Callable[[str], Optional[str]]
 
 
 def of_surface(collision: ElementTree.Element, link: str) -> Optional[Friction]:
@@ -18,7 +27,7 @@ def of_surface(collision: ElementTree.Element, link: str) -> Optional[Friction]:
     return None if ode is None else of_texts(ode.findtext, link, 'mu')
 
 
-def of_texts(text_of: Callable[[str], Optional[str]], link: str, mu: str) -> Optional[Friction]:
+def of_texts(text_of: TextOf, link: str, mu: str) -> Optional[Friction]:
     """Return the friction of elements, None if none of them is given.
 
     text_of: returns the text of an element, None without; mu: the element of the first
@@ -32,6 +41,26 @@ def of_texts(text_of: Callable[[str], Optional[str]], link: str, mu: str) -> Opt
         _coefficient('<{}> of link {}'.format(mu, link), first),
         _coefficient('<mu2> of link ' + link, second),
         tuple(direction.tolist()) if np.any(direction) else ())
+
+
+def contact_of(collision: ElementTree.Element, link: str, text_of: TextOf) -> Contact:
+    """Return how a <collision> of a link pushes out what touches it.
+
+    text_of: of the tags of that link, which count more.
+    """
+    found: Dict[str, float] = {}
+    for field, (path, tag) in _CONTACTS.items():
+        text = (text_of(tag) if tag else None) or collision.findtext('surface/' + path)
+        if text is not None:
+            found[field] = read_number('<{}> of link {}'.format(path.rpartition('/')[2], link),
+                                       text)
+    contact = Contact(**found)
+    threshold = collision.findtext('surface/bounce/threshold')
+    if threshold is None or read_number('<threshold> of link ' + link, threshold) > _FAST_M_S:
+        contact = contact._replace(bounce=0.0)
+    # all that is hard is one surface
+    return contact if (contact.stiffness < _HARD_N_M or contact.throws
+                       or contact.bounce) else Contact()
 
 
 def _coefficient(name: str, text: Optional[str]) -> float:

@@ -2,7 +2,7 @@
 
 Every fixed joint costs PyBullet time in each step. Therefore fixed links are lumped into the link
 that they are fixed to, like Gazebo's SDFormat does: shapes are moved, masses and inertias added
-up, and `frames` keeps where each link went. PyBullet has one friction and one bitmask per link:
+up, and `frames` keeps where each link went. PyBullet has one surface and one bitmask per link:
 shapes with others than the link that they are lumped into go to a link without mass, which is
 fixed to that. So do those of an SDF.
 """
@@ -13,7 +13,8 @@ from typing import Dict, List, Mapping, NamedTuple, Set, Tuple
 from img_recog.errors import SimulationError
 from img_recog.formats import inertias
 from img_recog.model import (CONTINUOUS, FIXED, NO_INERTIA, PART, PRISMATIC, REVOLUTE,
-                             Frame, Friction, Inertia, Joint, Light, Link, Look, Model, Solid)
+                             Contact, Frame, Friction, Inertia, Joint, Light, Link, Look, Model,
+                             Solid)
 from img_recog.rotations import IDENTITY
 
 _KINDS = (CONTINUOUS, FIXED, PRISMATIC, REVOLUTE)
@@ -60,7 +61,7 @@ def lumped(model: Model) -> Model:
 
 
 def divided(model: Model) -> Model:
-    """Return a model whose links stay as they are, but for shapes with another friction or bitmask
+    """Return a model whose links stay as they are, but for shapes with another surface or bitmask
     than the first one of their link: those go to a link without mass, too."""
     lump = _Lump(model, {link.name: link for link in model.links},
                  {link.name: Frame(link.name) for link in model.links})
@@ -168,7 +169,7 @@ class _Lump:
         self.solids: Dict[str, List[Solid]] = {}
         self._carriers: Dict[str, str] = {}         # of the links that are added
         self._parts: Dict[str, List[Link]] = {}     # of the lumped links
-        surfaces: Dict[Tuple[str, Friction, int, str], str] = {}
+        surfaces: Dict[Tuple[str, Friction, int, Contact, str], str] = {}
         for name, (carrier, pose) in frames.items():
             self._parts.setdefault(carrier, []).append(links[name])
             self._looks[carrier] += [look._replace(pose=pose @ look.pose)
@@ -177,7 +178,7 @@ class _Lump:
                                       for light in links[name].lights]
             for solid in links[name].solids:
                 solid = solid.moved(pose)
-                key = (carrier, solid.surface, solid.bitmask,
+                key = (carrier, solid.surface, solid.bitmask, solid.contact,
                        name if name in self.watched else '')
                 if key not in surfaces:
                     surfaces[key] = self._surface(name, carrier, solid)

@@ -169,7 +169,9 @@ class _Builder:
             with self._problems.left_out():
                 solid = sdf_links.solid(collision, IDENTITY, self._find)
                 with self._problems.left_out():
-                    solid = solid._replace(friction=frictions.of_surface(collision, link.name))
+                    solid = solid._replace(
+                        friction=frictions.of_surface(collision, link.name),
+                        contact=frictions.contact_of(collision, link.name, lambda _: None))
                 solid = solid.moved(scope.pose(collision))
                 if solid.shape.kind in (HEIGHTMAP, PLANE):
                     self._add_ground(link, collision, solid)

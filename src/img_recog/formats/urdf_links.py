@@ -1,4 +1,4 @@
-"""Reads the links of a URDF, and what Gazebo's tags say of them: friction and materials."""
+"""Reads the links of a URDF, and what Gazebo's tags say of them: surfaces and materials."""
 import os
 import xml.etree.ElementTree as ElementTree
 from typing import Any, Dict, List, Optional, Tuple
@@ -130,8 +130,19 @@ class Links:
                 friction = Friction(friction.mu)
         bitmasks = [bitmask(collision) for tag in self._tags if tag.get('reference') == link
                     for collision in tag.findall('collision')]
-        return Solid(shape, friction=friction, bitmask=min([ALL_BITS, *bitmasks])).moved(
-            origin_of(element))
+        contact = frictions.contact_of(element, link, self._text_of_tags(link))
+        return Solid(shape, friction=friction, bitmask=min([ALL_BITS, *bitmasks]),
+                     contact=contact).moved(origin_of(element))
+
+    def _text_of_tags(self, link: str) -> frictions.TextOf:
+        """Return what returns the text of an element in Gazebo's tags for a link."""
+        tags = [tag for tag in self._tags if tag.get('reference') == link]
+
+        def text(element: str) -> Optional[str]:
+            found = [each for tag in tags for each in tag.findall(element)]
+            return (found[0].get('value') or found[0].text) if found else None
+
+        return text
 
     def _friction(self, link: ElementTree.Element) -> Optional[Friction]:
         """Return that of all shapes of a link: <mu1>, <mu2> and <fdir1> of Gazebo's tags for it,
@@ -139,12 +150,7 @@ class Links:
         """
         name = name_of(link)
         tags = [tag for tag in self._tags if tag.get('reference') == name]
-
-        def text_of_tag(element: str) -> Optional[str]:
-            found = [each for tag in tags for each in tag.findall(element)]
-            return (found[0].get('value') or found[0].text) if found else None
-
-        found = [frictions.of_texts(text_of_tag, name, 'mu1'),
+        found = [frictions.of_texts(self._text_of_tags(name), name, 'mu1'),
                  *(frictions.of_surface(collision, name)
                    for tag in tags for collision in tag.findall('collision'))]
         of_link = link.find('contact/lateral_friction')

@@ -15,7 +15,7 @@ import numpy as np
 import pybullet
 
 from img_recog import rotations
-from img_recog.simulation.physics import friction, meeting
+from img_recog.simulation.physics import meeting, stiffness
 from img_recog.simulation.physics.client import link_indices
 from img_recog.simulation.physics.framed_body import FramedBody
 from img_recog.simulation.physics.tyres import ACROSS
@@ -61,7 +61,7 @@ class Directions:
         indices = link_indices(body.body_id, body.physics_client_id)
         surfaces = {link.name: link.surface for link in body.model.links}
         bitmasks = {link.name: link.solids[0].bitmask for link in body.model.links if link.solids}
-        self._mass = friction.mass_on_contacts(body)
+        self._springs = stiffness.springs(body)
         for joint in body.model.joints:
             if joint.child + ACROSS in indices:
                 link, axle = indices[joint.child], axis_of(joint)
@@ -134,7 +134,7 @@ class Directions:
             self._body.body_id, wheel.second,
             *(meeting.groups_and_mask(wheel.bitmask) if slips else (0, 0)), **self._client)
         for link in (wheel.link, wheel.second):
-            friction.set_stiffness(self._body, link, self._mass / (1 + slips))
+            stiffness.set_spring(self._body, link, self._springs[link].scaled(1 / (1 + slips)))
         if not slips:
             pybullet.changeDynamics(self._body.body_id, wheel.link,
                                     anisotropicFriction=[wheel.lowest] * 3, **self._client)

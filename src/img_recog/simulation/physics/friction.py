@@ -9,9 +9,6 @@ ODE's friction is a pyramid: the coefficient holds along each of two directions 
 that, PyBullet weighs them by the mass that moves along each, and a skid-steered robot does not
 turn. `mu2` scales one of them, along an axis of the link that is nearest to it; of wheels see
 directions.py.
-
-What stands on more than three points has the same load on all, as ODE has it, only if the contacts
-give way a little: all are springs, with a stiffness for the mass of the body if that is high.
 """
 import itertools
 from typing import Dict, List, NamedTuple, Set, Tuple
@@ -26,35 +23,21 @@ from img_recog.simulation.physics.body import Body
 from img_recog.simulation.physics.client import body_ids, link_indices, links_of_base
 from img_recog.simulation.physics.framed_body import FramedBody
 
-# of a contact: so much damping that nothing vibrates, and what fell is out of the floor in 0.3 s
-_STIFFNESS_N_M, _DAMPING_N_S_M = 3e5, 1e5
-# for each kg of a body with joints: so low that its load is spread over its wheels
-_JOINTED_N_M, _JOINTED_N_S_M = 1e4, 2e3
 _PERIOD_STEPS = 10
 _EPSILON = 1e-6
 
 _Link = Tuple[int, int]         # PyBullet's numbers of a body and of a link of it
 
 
-def set_up(physics_client_id: int, step_s: float) -> None:
-    """Set how contacts are solved in a client without bodies."""
-    total = step_s * _STIFFNESS_N_M + _DAMPING_N_S_M
-    pybullet.setPhysicsEngineParameter(
-        enableConeFriction=0, globalCFM=1 / total, contactERP=step_s * _STIFFNESS_N_M / total,
-        physicsClientId=physics_client_id)
-
-
 def apply(body: FramedBody, slides: bool = False) -> None:
-    """Give the links of a body the friction of its model, and its contacts their stiffness.
+    """Give the links of a body the friction of its model.
 
     slides: whether it has no friction, whatever the model says.
     """
     client = {'physicsClientId': body.physics_client_id}
     given = {link.name: link.surface for link in body.model.links}
-    mass = mass_on_contacts(body)
     never_move = links_of_base(body.body_id, body.physics_client_id) if body.fixed else ()
     for name, link in link_indices(body.body_id, body.physics_client_id).items():
-        set_stiffness(body, link, mass)
         wheel = name.replace(tyres.ACROSS, '')
         friction = Friction(0.0) if slides else given.get(wheel, Friction())
         pybullet.changeDynamics(
@@ -62,20 +45,6 @@ def apply(body: FramedBody, slides: bool = False) -> None:
             anisotropicFriction=_scales(
                 body, link, friction.at_most(FLOOR_FRICTION) if link in never_move
                 else friction), **client)
-
-
-def mass_on_contacts(body: Body) -> float:
-    """Return the mass in kg for which the contacts of a body have a stiffness of their own, or 0.
-    """
-    return body.mass() if body.joints and not body.fixed else 0.0
-
-
-def set_stiffness(body: Body, link: int, mass: float) -> None:
-    """Let the contacts of a link give way like those that bear a body of a mass, if not 0."""
-    if mass:
-        pybullet.changeDynamics(
-            body.body_id, link, contactStiffness=mass * _JOINTED_N_M,
-            contactDamping=mass * _JOINTED_N_S_M, physicsClientId=body.physics_client_id)
 
 
 def _scales(body: Body, link: int, friction: Friction) -> List[float]:

@@ -7,7 +7,8 @@ from img_recog.errors import SimulationError, shortened
 from img_recog.formats.problems import Problems
 from img_recog.formats.world_file import WorldFile
 from img_recog.model import PLANE, Frame, Friction, Link, Model, Shape, Solid, Tree
-from img_recog.simulation.physics import build, crowding, friction, gears, standing, tyres
+from img_recog.simulation.physics import (build, crowding, friction, gears, standing, stiffness,
+                                          tyres)
 from img_recog.simulation.physics.body import Body
 from img_recog.simulation.physics.client import all_or_nothing
 from img_recog.simulation.physics.directions import Directions
@@ -57,7 +58,7 @@ class World:
         # contacts in a fixed order, so that equal commands give equal trajectories
         pybullet.setPhysicsEngineParameter(deterministicOverlappingPairs=1,
                                            physicsClientId=physics_client_id)
-        friction.set_up(physics_client_id, settings.step_s)
+        stiffness.set_up(physics_client_id, settings.step_s)
         self._pairs, self._pairs_revision = friction.Pairs(physics_client_id), -1
         self.floor: Optional[FramedBody] = None
         if file.has_floor:
@@ -141,6 +142,7 @@ class World:
         self._meeting.add(bodies)
         lines: List[str] = []
         for body in bodies:
+            stiffness.apply(body)       # before anything looks for contacts
             self._gears[body.body_id] = gears.add(body)
             forces = Forces(body, self.step_s, self.file.gravity)
             lines += ['{}: {}'.format(body.name, line) for line in forces.warnings]
