@@ -1,18 +1,26 @@
 """Print all that the simulator makes of robots and worlds, as text to be compared.
 
 usage: golden.py [--hashes] FILE ...
+       golden.py --compare | --write [FOLDER]
 
 FILE is a URDF, a xacro file, an SDF or the name of a world. With --hashes, a line for each file
-has the hash of its text: so the effect of a change is seen also on files that are not kept here.
-Made before a change of structure, and again after it, the two must be equal.
+has the hash of its text. Made before a change of structure, and again after it, the two must be
+equal.
+
+test/golden.txt has the hashes of this package's own files, and of public ones, which are not kept
+here. --compare prints a line for each file that differs now. Public files are compared if FOLDER
+is given: it has a clone of each repository of the list, at the commit there, in OWNER+NAME.
+--write writes the list again.
 """
 import argparse
 import dataclasses
 import hashlib
 import logging
+import os
 import re
+import subprocess
 import sys
-from typing import Any, Iterator, List
+from typing import Any, Dict, Iterator, List, NamedTuple
 
 import numpy as np
 import pybullet
@@ -27,6 +35,11 @@ from img_recog.simulation.pictures import visual_scene
 from img_recog.simulation.pictures.visual_scene import Parts
 from img_recog.simulation.settings import PhysicsSettings
 
+ROOT = os.path.join(os.path.dirname(os.path.abspath(__file__)), '..')
+LIST = os.path.join(ROOT, 'test', 'golden.txt')
+_OWN = '.'
+# of clones, the folders of models, like in GAZEBO_MODEL_PATH
+_MODELS = 'ROBOTIS-GIT+turtlebot3_simulations/turtlebot3_gazebo/models', 'osrf+gazebo_models'
 _SMALLEST = 1e-8        # what is nearer to 0 is rounding
 # what is in the middle of two texts, as 0.123455 often is in a file, gets the same one of them
 # however its last bit is rounded
@@ -116,22 +129,92 @@ def _plain(value: Any) -> str:
     return re.sub('/[^ ]*/', '', str(value))       # where the files are does not matter
 
 
+class Golden(NamedTuple):
+    """A file with the hash of its text; repository, commit: '.' and '-' for an own file."""
+
+    hash: str
+    repository: str
+    commit: str
+    path: str
+
+
+def read() -> List[Golden]:
+    """Return the list."""
+    with open(LIST) as file:
+        return [Golden(*line.split()) for line in file if not line.startswith('#')]
+
+
+def compared(goldens: List[Golden], folder: str = '') -> Iterator[str]:
+    """Yield a line for each file whose hash is another one, or that is not there."""
+    found = _hashes(goldens, folder)
+    for each in goldens:
+        if found.get(_place(each)) != each.hash:
+            yield '{}: {}, expected {}'.format(_place(each), found.get(_place(each), 'not read'),
+                                               each.hash)
+
+
+def write(folder: str) -> None:
+    """Write the hashes of now into the list."""
+    goldens = read()
+    found = _hashes(goldens, folder)
+    with open(LIST) as file:
+        head = [line for line in file if line.startswith('#')]
+    with open(LIST, 'w') as file:
+        file.writelines(head)
+        for each in goldens:
+            file.write(' '.join(each._replace(hash=found.get(_place(each), each.hash))) + '\n')
+
+
+def _place(golden: Golden) -> str:
+    return os.path.normpath(os.path.join(golden.repository.replace('/', '+'), golden.path))
+
+
+def _hashes(goldens: List[Golden], folder: str) -> Dict[str, str]:
+    """Return the hashes of files by their places, those of public ones if there is a folder."""
+    found: Dict[str, str] = {}
+    for is_own, start in ((True, ROOT), (False, folder)):
+        places = [_place(each) for each in goldens if (each.repository == _OWN) == is_own]
+        if start and places:
+            found.update(_hashes_in(os.path.abspath(start), places, is_own))
+    return found
+
+
+def _hashes_in(folder: str, places: List[str], is_own: bool) -> Dict[str, str]:
+    models = [] if is_own else [os.path.join(folder, each) for each in _MODELS]
+    path = os.environ.get('ROS_PACKAGE_PATH', '') if is_own else os.pathsep.join(
+        [folder, os.path.abspath(ROOT)])
+    run = subprocess.run(
+        [sys.executable, os.path.abspath(__file__), '--hashes', *places],
+        cwd=folder, stdout=subprocess.PIPE, check=True, universal_newlines=True,
+        env={**os.environ, 'ROS_PACKAGE_PATH': path, 'GAZEBO_RESOURCE_PATH': '',
+             'GAZEBO_MODEL_PATH': os.pathsep.join(models)})
+    return {words[-1]: words[0] for words in (line.split() for line in run.stdout.splitlines())
+            if len(words) == 4}
+
+
 def main() -> int:
-    """Print the texts or their hashes."""
+    """Print the texts or their hashes, or compare; return 1 if something differs."""
     parser = argparse.ArgumentParser(description='See the text at the head of this file.')
-    parser.add_argument('--hashes', action='store_true')
-    parser.add_argument('files', nargs='+', metavar='FILE')
+    for name in ('--hashes', '--compare', '--write'):
+        parser.add_argument(name, action='store_true')
+    parser.add_argument('files', nargs='*', metavar='FILE')
     given = parser.parse_args()
-    logging.disable(logging.CRITICAL)
-    for path in given.files:
-        text = text_of(path)
-        if given.hashes:
-            text = '{} {} lines {}\n'.format(hashlib.sha256(text.encode()).hexdigest()[:16],
-                                             text.count('\n'), path)
-        else:
-            text = '== {}\n{}'.format(path, text)
-        sys.stdout.write(text)
-        sys.stdout.flush()
+    folder = ''.join(given.files[:1])
+    if given.write:
+        write(folder)
+    elif given.compare:
+        lines = list(compared([each for each in read() if folder or each.repository == _OWN],
+                              folder))
+        sys.stdout.write('\n'.join(lines or ['no difference']) + '\n')
+        return 1 if lines else 0
+    else:
+        logging.disable(logging.CRITICAL)
+        for path in given.files:
+            text = text_of(path)
+            sys.stdout.write('{} {} lines {}\n'.format(
+                hashlib.sha256(text.encode()).hexdigest()[:16], text.count('\n'), path)
+                if given.hashes else '== {}\n{}'.format(path, text))
+            sys.stdout.flush()
     return 0
 
 

@@ -1,9 +1,11 @@
 # Texts in English or Japanese, as LC_ALL, LC_MESSAGES or LANG says. Sourced by ./run, which sets root.
-# shellcheck shell=bash disable=SC2154
+# shellcheck shell=bash disable=SC2034,SC2154
 
 declare -A japanese=()
+usage=$root/tools/usage.txt
 case ${LC_ALL:-${LC_MESSAGES:-${LANG:-}}} in
   ja*)
+    usage=$root/tools/usage_ja.txt
     # as in messages.py, which describes the table
     while IFS= read -r english && IFS= read -r text; do
       [ -z "$english" ] || japanese[$english]=$text

@@ -87,14 +87,14 @@ def code(text: str) -> List[str]:
 
 def launch_arguments(file: str = 'demo.launch') -> Dict[str, Any]:
     """Return the arguments that a launch file takes, with those of its parts, by name."""
-    tools = launch_file_tools()
+    tools = tool('launch_files')
     return tools.taken(tools.with_parts(os.path.join(LAUNCH_FOLDER, file)))
 
 
-def launch_file_tools() -> types.ModuleType:
-    """Return the module launch_files of tools/."""
+def tool(name: str) -> types.ModuleType:
+    """Return a module of tools/."""
     sys.path.append(os.path.join(ROOT, 'tools'))
     try:
-        return importlib.import_module('launch_files')
+        return importlib.import_module(name)
     finally:
         sys.path.pop()

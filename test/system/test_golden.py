@@ -12,7 +12,7 @@ OTHERS = 'IMG_RECOG_GOLDEN'     # of the environment: a folder with clones of pu
 @pytest.fixture
 def hashes(monkeypatch):
     monkeypatch.syspath_prepend(os.path.join(ROOT, 'tools'))
-    return importlib.import_module('golden_hashes')
+    return importlib.import_module('golden')
 
 
 def test_own_files(hashes):

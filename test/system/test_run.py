@@ -119,7 +119,7 @@ def test_rostest_by_the_name_of_its_file(checkout, env):
     (('unit', '-k', 'no_such_test'), 'no test of unit matches no_such_test'),
     (('rostest', '-k', 'no_such_test'), 'no test of rostest matches no_such_test'),
     (('-k', 'no_such_test'), 'no test matches no_such_test'),
-    (('units',), 'test takes unit, rostest or system, and -k NAME; got units'),
+    (('units',), 'test takes unit, rostest or system, -k NAME and --accept; got units'),
     (('unit', '-k'), '-k needs a name')])
 def test_nothing_selected_is_an_error(checkout, env, words, named):
     code, output = run(checkout, env, 'test', *words)
@@ -134,7 +134,8 @@ def test_each_linter_finds_a_planted_error(env, tmp_path):
     for folder in ('src', 'bench', 'test'):         # they take long
         shutil.rmtree(os.path.join(checkout, folder))
         os.makedirs(os.path.join(checkout, folder))
-    os.makedirs(os.path.join(checkout, 'src', 'img_recog'))
+    texts = os.path.join('src', 'img_recog', 'command_line')      # of ./run itself
+    shutil.copytree(os.path.join(ROOT, texts), os.path.join(checkout, texts))
     write(checkout, 'src/img_recog/__init__.py', 'import os\n\nANSWER: int = "42"\n')
     write(checkout, 'tools/planted.bash', '# shellcheck shell=bash\ncd $nowhere\n')
     with open(os.path.join(checkout, 'CMakeLists.txt'), 'a') as file:

@@ -4,9 +4,9 @@ import subprocess
 
 import pytest
 
-from img_recog_helpers.pages import LAUNCH_FOLDER, ROOT, launch_file_tools
+from img_recog_helpers.pages import LAUNCH_FOLDER, ROOT, tool
 
-launch_files = launch_file_tools()
+launch_files = tool('launch_files')
 PROGRAMS = os.path.join(os.environ['CMAKE_PREFIX_PATH'].split(':')[0], 'lib', 'img_recog')
 
 

@@ -24,5 +24,5 @@ def test_public_functions_have_examples():
 
 
 def test_both_ways_to_run_the_unit_tests_run_the_examples():
-    for path in ('CMakeLists.txt', os.path.join('tools', 'testing.bash')):
+    for path in ('CMakeLists.txt', os.path.join('tools', 'testing.py')):
         assert '--doctest-modules' in pathlib.Path(ROOT, path).read_text(), path

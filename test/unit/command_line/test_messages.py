@@ -19,7 +19,7 @@ def in_programs():
         if 'img_recog.command_line.messages import message' in text:
             for node in ast.walk(ast.parse(text)):
                 if isinstance(node, ast.Call) and getattr(node.func, 'id', '') in (
-                        'message', 'ArgumentError'):
+                        'message', 'ArgumentError', 'say', 'refused'):
                     yield from (each.value for each in ast.walk(node.args[0])
                                 if isinstance(each, ast.Constant))
     for path in SCRIPTS:

@@ -5,8 +5,6 @@ import pytest
 
 from img_recog.formats import elements
 from img_recog.formats.audit import audit
-from img_recog.formats.elements_page import lines
-from img_recog_helpers.pages import ROOT
 
 MODEL = '<sdf version="1.6"><world name="w"><model name="m">{}</model></world></sdf>'
 LINK = MODEL.format('<link name="l">{}</link>')
@@ -76,8 +74,3 @@ def test_each_element_is_in_one_field(table):
     for path, row in table.items():
         words = [word.partition('=')[0] for text in row[:4] for word in text.split()]
         assert sorted(set(words)) == sorted(words), path
-
-
-def test_the_page_is_that_of_the_table():
-    with open(ROOT + '/doc/elements.md', encoding='utf-8') as page:
-        assert page.read() == '\n'.join(lines())
