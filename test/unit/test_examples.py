@@ -5,7 +5,8 @@ import pathlib
 
 from img_recog_helpers.pages import ROOT
 
-PURE = ('camera', 'conversions', 'recognition', 'rendering', 'simulation', 'teleoperation')
+PURE = ('camera', 'conversions', 'formats', 'recognition', 'rendering', 'simulation',
+        'teleoperation')
 KINDS = (ast.FunctionDef, ast.ClassDef)
 WANTED = 30
 
