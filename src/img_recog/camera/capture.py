@@ -6,7 +6,7 @@ from typing import Callable, Optional
 
 import numpy as np
 
-from img_recog.camera.pacing import Pacer, Throttle
+from img_recog.camera.pacing import Pacer, RateLimit
 from img_recog.camera.source import FrameSkipped, FrameSource, SourceEnded, SourceError
 
 FIRST_RETRY_S, LAST_RETRY_S = 0.5, 5.0
@@ -172,7 +172,7 @@ class Capture:
             if not self._lost:
                 self._listener.opened(source)
             pacer = Pacer(source.rate_hz, self._now) if source.rate_hz else None
-            throttle = Throttle(source.max_hz) if source.max_hz else None
+            limit = RateLimit(source.max_hz) if source.max_hz else None
             period_s = 1.0 / source.rate_hz if source.rate_hz else 0.0
             read_s, size = 0.0, (source.width, source.height)
             while not self._stopping.is_set():
@@ -183,7 +183,7 @@ class Capture:
                 image = self._read(source)
                 read_s = self._now() - begin_s
                 period_s = source.step_s or period_s
-                if image is not None and throttle is not None and not throttle.accepts(
+                if image is not None and limit is not None and not limit.accepts(
                         self._now() - source.age_s):
                     self._listener.dropped()
                     continue

@@ -92,14 +92,14 @@ class FrameTimes:
         return time_s
 
 
-class Throttle:
+class RateLimit:
     """Drops frames of a camera that gives more than `rate_hz`, evenly.
 
     A camera that exceeds the rate by less than 5 % keeps all its frames: two clocks never agree,
     and otherwise a frame would be dropped now and then.
 
-    >>> throttle = Throttle(10.0)
-    >>> [throttle.accepts(number / 20) for number in range(6)]
+    >>> limit = RateLimit(10.0)
+    >>> [limit.accepts(number / 20) for number in range(6)]
     [True, False, True, False, True, False]
     """
 

@@ -1,7 +1,7 @@
 """Pacing and throttling on a fake clock, and stamps by clocks that run, stop and jump."""
 import pytest
 
-from img_recog.camera.pacing import Pacer, Stamps, Throttle
+from img_recog.camera.pacing import Pacer, RateLimit, Stamps
 
 # binary fractions, so that the expected times are exact
 RATE_HZ, PERIOD_S = 8.0, 0.125
@@ -60,10 +60,10 @@ def test_frames_with_times_are_due_at_them(pacer, clock):
 
 def kept(intervals, rate_hz):
     """Return the numbers of the frames that are kept, given the intervals between all frames."""
-    throttle, now_s, numbers = Throttle(rate_hz), 0.0, []
+    limit, now_s, numbers = RateLimit(rate_hz), 0.0, []
     for number, interval_s in enumerate(intervals):
         now_s += interval_s
-        if throttle.accepts(now_s):
+        if limit.accepts(now_s):
             numbers.append(number)
     return numbers
 
@@ -96,13 +96,13 @@ def test_camera_may_exceed_its_rate_by_five_percent(given_hz, keeps_all):
 
 
 def test_first_frames_are_kept_by_their_interval():
-    throttle = Throttle(8.0)
-    assert throttle.accepts(0.0)
+    limit = RateLimit(8.0)
+    assert limit.accepts(0.0)
     # the next is due at 0.125, and nearest to it is the one at 0.125
-    assert [throttle.accepts(time_s) for time_s in (0.03125, 0.0625, 0.09375, 0.125)] == [
+    assert [limit.accepts(time_s) for time_s in (0.03125, 0.0625, 0.09375, 0.125)] == [
         False, False, False, True]
     # not before half an interval ahead of the due time 0.25
-    assert [throttle.accepts(time_s) for time_s in (0.203125, 0.234375, 0.265625)] == [
+    assert [limit.accepts(time_s) for time_s in (0.203125, 0.234375, 0.265625)] == [
         False, True, False]
 
 
