@@ -8,43 +8,34 @@ class LatestValue:
     """Holds the newest item only. Callbacks put, one loop takes.
 
     The loop does not wait in a queue.SimpleQueue: in CPython 3.11, `get` with a timeout waits
-    forever after a signal handler that takes longer than the rest of the timeout. A lock measures
-    the rest again. Do not call the methods in a signal handler, which may interrupt one of them.
+    forever after a signal handler that takes longer than the rest of the timeout. Do not call the
+    methods in a signal handler, which may interrupt one of them.
     """
 
     def __init__(self):
-        self._lock = threading.Lock()
+        self._condition = threading.Condition()
         self._item: Optional[Any] = None
-        # a binary semaphore, faster than a Condition: free after `put` and `wake`
-        self._changed = threading.Lock()
-        self._changed.acquire()
+        self._is_woken = False
 
     def put(self, item: Any) -> Optional[Any]:
         """Store the item; return the previous one if it was never taken."""
-        with self._lock:
+        with self._condition:
             replaced, self._item = self._item, item
-            self._notify()
+            self._condition.notify()
         return replaced
 
     def take(self, timeout_s: float = 0.0) -> Optional[Any]:
         """Remove and return the item, waiting up to `timeout_s` for it; None if there is none."""
-        if self._item is None:
-            if timeout_s <= 0:
-                return None
-            self._changed.acquire(timeout=timeout_s)
-        with self._lock:
-            item, self._item = self._item, None
-            self._changed.acquire(blocking=False)
+        with self._condition:
+            self._condition.wait_for(lambda: self._item is not None or self._is_woken, timeout_s)
+            item, self._item, self._is_woken = self._item, None, False
         return item
 
     def wake(self) -> None:
         """End the wait of the loop now; if it does not wait, its next wait ends immediately."""
-        with self._lock:
-            self._notify()
-
-    def _notify(self) -> None:
-        if self._changed.locked():
-            self._changed.release()
+        with self._condition:
+            self._is_woken = True
+            self._condition.notify()
 
 
 class CallQueue:
