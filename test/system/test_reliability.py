@@ -12,8 +12,7 @@ from img_recog_helpers.reliability.parts import PARTS, Options
 from img_recog_helpers.reliability.nodes import Nodes
 from img_recog_helpers.waiting import stretch
 
-# with plain rospy, a subscriber that gets damaged bytes loses its connection, and a node may wait
-# for the master when it ends
+# with plain rospy, a subscriber that gets damaged bytes loses its connection
 NOT_PLAIN = pytest.mark.skipif(is_plain('registration'), reason='plain rospy')
 SEED = 12
 

@@ -14,15 +14,16 @@ import rospy
 
 from img_recog.errors import UserError, one_line, shortened
 from img_recog.ros import node_help
-from img_recog.ros.log import console, log_files, log_handlers, log_records
+from img_recog.ros.log import log_handlers, log_records
 from img_recog.ros.master import master_watch
-from img_recog.ros.transport import own_time, registration, rosout
+from img_recog.ros.transport import own_time, rosout
 
 EXIT_UNEXPECTED = 70        # EX_SOFTWARE of sysexits.h
 # Only under scripts/respawn.py, which decides by them whether to start the node again
 _SUPERVISED = 'IMG_RECOG_RESPAWN'
 EXIT_NO_MASTER, EXIT_REPLACED, EXIT_SHUT_DOWN = 75, 76, 77
 
+END_LIMIT_S = 4.0           # of a node: rospy waits for the master without limit, then too
 _JOIN_TIMEOUT_S = 0.5
 _REASON_TIMEOUT_S = 5.0     # after the hooks of the node, and unregistering
 
@@ -45,18 +46,19 @@ def run(name: str, serve: Callable[[], None],
         sys.stdout.write(node_help.text(sys.modules[serve.__module__].__doc__ or '', settings))
         return 0
     log_records.install()
-    log_files.install()
+    log_handlers.install()
     # rospy's own handler shuts down inside the interrupted call; if that is a publish in the
     # main thread, both wait for the same lock for ever
     try:
-        registration.limit_calls()
         rosout.init_node(name, disable_signals=True,
                          disable_rostime=source_of_time and not own_time.follows_clock_topic())
     except UserError as error:      # there is no log yet
         sys.stderr.write('[FATAL] {}: {}\n'.format(name, one_line(error)))
         return 1
-    console.install_filter()
-    log_handlers.protect()
+    code = EXIT_SHUT_DOWN if _SUPERVISED in os.environ else 0
+    limit = threading.Timer(END_LIMIT_S, lambda: leave_blocked_threads(code))
+    limit.daemon = True
+    on_shutdown(limit.start)
     master_watch.start(on_shutdown)
     reasons: 'queue.Queue[str]' = queue.Queue()
     rospy.core.add_preshutdown_hook(reasons.put)
@@ -66,7 +68,7 @@ def run(name: str, serve: Callable[[], None],
             signal.signal(number, _shut_down)
     code = _run(serve)
     if code == 0 and _SUPERVISED in os.environ and rospy.core.is_shutdown_requested():
-        return _shutdown_code(reasons)
+        code = _shutdown_code(reasons)
     return code
 
 

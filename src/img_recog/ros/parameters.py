@@ -9,6 +9,7 @@ from img_recog.errors import one_line
 from img_recog.settings import (ParameterError, SettingError, Settings, SettingsType, from_mapping,
                                 setting_fields, unknown)
 
+LOG_TOPICS_ARE_LEFT_OUT = '/rosout_disable_topics_generation'      # rospy's name
 _NO_VALUES: Mapping[str, Any] = MappingProxyType({})
 
 
@@ -88,9 +89,9 @@ def robot_description(name: str = '') -> str:
     return text
 
 
-def log_topics_are_wanted() -> bool:
-    """Return whether messages on /rosout list the topics of their node."""
-    return not rospy.get_param('/rosout_disable_topics_generation', False)
+def log_topics_are_left_out() -> bool:
+    """Return whether messages on /rosout do not list the topics of their node."""
+    return rospy.get_param(LOG_TOPICS_ARE_LEFT_OUT, False)
 
 
 def _parameters_in(namespace: str) -> dict:

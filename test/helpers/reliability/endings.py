@@ -11,6 +11,7 @@ from typing import Callable, Dict, Iterator, List, NamedTuple, Optional, Tuple
 
 from sensor_msgs.msg import Image
 
+from img_recog.ros import lifecycle
 from img_recog_helpers import process_table
 from img_recog_helpers.pages import ROOT
 from img_recog_helpers.processes import Process
@@ -20,7 +21,6 @@ from img_recog_helpers.reliability.nodes import Nodes
 from img_recog_helpers.waiting import wait_for
 
 NODE_LIMIT_S, DEMO_LIMIT_S = 5.0, 12.0      # from the signal until nothing is left
-MASTER_LIMIT_S = 1.5          # for which a node that ends waits for the master
 _MAX_DELAY_S, _MAX_DEMO_DELAY_S = 3.0, 8.0
 _DEMO_SHARE = 25                            # one of so many stops is one of the whole demo
 _REPLAY_SHARE = 20                          # one of so many kills is one of replay.py
@@ -175,7 +175,7 @@ def _check_stop(nodes: Nodes, ending: Ending, process: Process, code: int, is_up
         with contextlib.suppress(*wire.ERRORS):
             uri = wire.node_uri(nodes.master_uri, _NODES[ending.program][0])
         # it waits no longer for a master that is busy; its name stays then
-        assert uri is None or took_s > MASTER_LIMIT_S, (
+        assert uri is None or took_s > lifecycle.END_LIMIT_S, (
             'it is still registered, at {}\n{}'.format(uri, text))
     assert nodes.temporary_files() == [], nodes.temporary_files()
 

@@ -1,4 +1,6 @@
 """Hooks are called once, also if they are added during or after a shutdown."""
+import subprocess
+import sys
 import threading
 from unittest.mock import MagicMock
 
@@ -79,9 +81,9 @@ def test_hook_while_rospy_closes_its_topics_is_called_once(shutdown, monkeypatch
 @pytest.fixture
 def exit_code(shutdown, monkeypatch):
     """A function that runs a node without a master; it returns the exit code."""
-    for module in ('log_files', 'log_handlers', 'log_records', 'master_watch', 'registration',
-                   'rosout', 'signal'):
+    for module in ('log_handlers', 'log_records', 'master_watch', 'rosout', 'signal'):
         monkeypatch.setattr(lifecycle, module, MagicMock())
+    monkeypatch.setattr(lifecycle, 'END_LIMIT_S', 1e6)      # it would end the tests
     return lambda serve: lifecycle.run('node', serve)
 
 
@@ -125,3 +127,34 @@ def test_errors_in_rospy_during_a_shutdown_are_no_mistake(exit_code, monkeypatch
     monkeypatch.setattr(rospy.topics, 'is_initialized', lambda: True)
     monkeypatch.setattr(rospy.core, 'is_shutdown_requested', lambda: is_requested)
     assert exit_code(serve) == code
+
+
+# a node on whose end the master does not answer rospy, and maybe not its own thread either
+_BLOCKED = '''
+import os, signal, sys, threading
+import rospy
+from img_recog.ros import lifecycle
+lifecycle.END_LIMIT_S = 0.1
+lifecycle.rosout.init_node = lambda *_, **__: None
+lifecycle.master_watch.start = lambda _: None
+rospy.core.add_shutdown_hook(lambda _: threading.Event().wait())
+def serve():
+    os.kill(os.getpid(), signal.SIGINT)
+    if sys.argv[1] == 'waits':
+        threading.Event().wait()
+    sys.stdout.write('served')
+sys.exit(lifecycle.run('node', serve))
+'''
+
+
+@pytest.mark.parametrize('how, output', [('returns', 'served'), ('waits', '')])
+@pytest.mark.parametrize('is_supervised, code', [(False, 0), (True, 77)])
+def test_a_node_ends_while_the_master_does_not_answer(monkeypatch, how, output, is_supervised,
+                                                      code):
+    if is_supervised:
+        monkeypatch.setenv('IMG_RECOG_RESPAWN', '1')
+    else:
+        monkeypatch.delenv('IMG_RECOG_RESPAWN', raising=False)
+    done = subprocess.run([sys.executable, '-c', _BLOCKED, how], stdout=subprocess.PIPE,
+                          universal_newlines=True, timeout=DEADLINE_S)
+    assert (done.returncode, done.stdout) == (code, output)

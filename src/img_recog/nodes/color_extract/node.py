@@ -41,9 +41,7 @@ from img_recog.recognition.commands import Command, Commander
 from img_recog.recognition.settings import RecognitionSettings, with_colors
 from img_recog.ros import lifecycle, parameters
 from img_recog.ros.diagnostics import NodeDiagnostics
-from img_recog.ros.log import console
-from img_recog.ros.log.console import ConsoleThrottle
-from img_recog.ros.log.throttle import ThrottledWarning
+from img_recog.ros.log.throttle import ChangeThrottle, ThrottledWarning
 from img_recog.ros.reconfigure import Reconfigurable
 from img_recog.ros.transport.direct_publisher import DirectPublisher
 from img_recog.ros.transport.image_publisher import ImagePublisher
@@ -85,7 +83,7 @@ class ColorExtract:
         self._commander = Commander(settings, time.monotonic())
         self._settings = settings
         self._warn = ThrottledWarning()
-        self._console, self._line = ConsoleThrottle(), RecurringLine()
+        self._shown, self._line = ChangeThrottle(1.0), RecurringLine()
         transport = given.image_transport
         self._counts = counts = RecognitionDiagnostics(rospy.resolve_name(_CAMERA) + (
             '' if transport == 'raw' else '/' + transport))
@@ -154,9 +152,10 @@ class ColorExtract:
                          in zip(self._settings.color_names, areas_px))
         commands = self._commander.decide(areas_px, time.monotonic())
         # /rosout and the log file have the line of each frame, as in the article
-        is_shown = self._console.shows(self._commander.frame_commands)
-        if is_shown or not self._line.write(line):
-            rospy.loginfo(line, extra=console.mark(is_shown))
+        if self._shown.shows(self._commander.frame_commands):
+            rospy.loginfo(line)
+        else:
+            self._line.write(line)
         self._publish_commands(commands)
         self._counts.count_latency(rospy.get_time(), msg.header.stamp.to_sec())
         self._publish_images(msg.header, areas_px, commands)

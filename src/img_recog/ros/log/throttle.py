@@ -31,6 +31,24 @@ class Throttle:
         return True
 
 
+class ChangeThrottle:
+    """Decides which of many lines about a changing state the terminal shows.
+
+    The first line is shown. After that, a line is shown if its state differs from the state shown
+    last, and at least `period_s` seconds of wall time have passed since then.
+    """
+
+    def __init__(self, period_s: float, now: Callable[[], float] = time.monotonic):
+        self._throttle, self._shown = Throttle(period_s, now), object()
+
+    def shows(self, state: object) -> bool:
+        """Return whether to show a line about `state`."""
+        if state == self._shown or not self._throttle.ready():
+            return False
+        self._shown = state
+        return True
+
+
 class ThrottledWarning:
     """Logs each warning at most once in five seconds, and at most three different ones."""
 

@@ -122,6 +122,5 @@ def start(on_shutdown: Callable[[Callable[[], None]], None]) -> None:
     """
     if registration.is_watched():
         watch = MasterWatch()
-        on_shutdown(registration.end_calls)
         on_shutdown(watch.stop)
         watch.start()

@@ -19,8 +19,8 @@ Names that are used
     direct_publisher.py
         `impl` of a Publisher: publock, closed, connections, is_latch, latch, seq.
     rosout.py
-        rospy.impl.rosout: Publisher and RosOutHandler, which are replaced, and _rosout_pub.
-        rospy.impl.registration.get_topic_manager().get_topics().
+        rospy.impl.rosout: Publisher, which is replaced.
+        rospy.impl.paramserver: get_param_server_cache().set().
     redelivery.py
         `impl` of a Publisher: connections.
     settled_subscriber.py
@@ -30,8 +30,7 @@ Names that are used
     own_time.py
         rospy.rostime: _set_rostime, _rostime_cond.
     registration.py
-        rospy.core: _xmlrpc_cache and _xmlrpc_lock, whose proxy for the master is replaced;
-        _LockedServerProxy. rospy.impl.registration: get_registration_listeners().listeners,
+        rospy.impl.registration: get_registration_listeners().listeners,
         RegManager.publisher_update; get_topic_manager(), its get_publications() and
         get_subscriptions(); get_service_manager().get_services().
 
@@ -46,8 +45,8 @@ Safety
     (direct_publisher).
 
 Gain
-    registration.py: nodes end also while the master does not answer, and
-    ros/master/master_watch.py can make them known to a new master. The other parts save CPU time:
+    With registration.py, ros/master/master_watch.py can make nodes known to a new master (rospy
+    registers once; doc/safety.md). The other parts save CPU time:
     the head of each says how much, as ./run bench transport measures it: with the part and without
     it in turn, 5 times, with frames of a film of 640x480, by color_extract alone or viewed, and
     with a simulator all of whose topics are subscribed. The ranges are those of the 5, on two

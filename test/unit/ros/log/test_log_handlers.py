@@ -1,13 +1,14 @@
-"""The log of a node on a full disk, without a terminal, and the size of its files."""
+"""The log of a node without a log file, on a full disk, and without a terminal."""
+import contextlib
 import logging
 import os
-import re
 import subprocess
 import sys
 from logging.handlers import RotatingFileHandler
 
 import pytest
 import rospy
+from rosgraph import roslogging
 from rosgraph.roslogging import RosStreamHandler
 
 from img_recog.ros.log import log_handlers
@@ -41,7 +42,6 @@ def handlers(monkeypatch):
         monkeypatch.setattr(logging.getLogger('rosout'), 'level', logging.INFO)
         log_handlers.protect()
         return logging.getLogger('rosout')
-    monkeypatch.delenv('ROS_PYTHON_LOG_CONFIG_FILE', raising=False)
     return use
 
 
@@ -80,27 +80,6 @@ def test_each_reason_is_said_once(handlers, capfd, monkeypatch):
         'pop from', 'division'] and len(lines) == 2
 
 
-class Unprintable:
-    def __str__(self):
-        raise OSError('no text')
-
-
-@pytest.mark.parametrize('values, reason', [
-    (('x',), r'%d format: a .*number is required, not str'), ((1, 2), 'not all arguments'),
-    ((Unprintable(),), '(no text|number is required)')])
-def test_a_text_that_does_not_fit_its_values_is_not_called_a_fault_of_the_file(
-        handlers, capfd, monkeypatch, values, reason):
-    monkeypatch.setattr(log_handlers, '_wrong_lines', set())
-    terminal = RosStreamHandler(False, sys.stdout, sys.stderr)
-    handlers(RotatingFileHandler(os.devnull, 'a', 50000000, 4), terminal)
-    for _ in range(3):
-        rospy.loginfo('got %d', *values)
-    line, = capfd.readouterr().err.splitlines()
-    assert re.fullmatch(r"\[WARN\] a line of the log is left out: the text 'got %d' in "
-                        r'test_log_handlers.py, line \d+, does not fit its values: .*{}.*; '
-                        'correct it'.format(reason), line), line
-
-
 def test_a_terminal_that_is_gone_does_not_reach_the_caller(handlers, capfd):
     read, write = os.pipe()
     os.close(read)
@@ -113,21 +92,72 @@ def test_a_terminal_that_is_gone_does_not_reach_the_caller(handlers, capfd):
             os.dup2(null.fileno(), write)       # what could not be written is still in the buffer
 
 
-@pytest.mark.parametrize('configured, given, expected', [
-    ('', (50000000, 4), (10000000, 4)), ('', (1000, 4), (1000, 4)), ('', (0, 0), (0, 0)),
-    ('/my/log.conf', (50000000, 4), (50000000, 4))])
-def test_files_are_smaller_than_by_default_but_a_users_configuration_is_kept(
-        handlers, monkeypatch, tmp_path, configured, given, expected):
-    monkeypatch.setenv('ROS_PYTHON_LOG_CONFIG_FILE', configured)
-    handler = RotatingFileHandler(str(tmp_path / 'node.log'), 'a', *given)
-    handlers(handler)
-    assert (handler.maxBytes, handler.backupCount) == expected
-    handler.close()
+@pytest.fixture
+def configure(monkeypatch, tmp_path):
+    """A function that configures logging like rospy.init_node, with a ROS_HOME."""
+    for name in (None, 'rosout'):
+        monkeypatch.setattr(logging.getLogger(name), 'handlers', [])
+        monkeypatch.setattr(logging.getLogger(name), 'level', logging.WARNING)
+    monkeypatch.setattr(roslogging, 'configure_logging', roslogging.configure_logging)
+    monkeypatch.setattr(rospy.core, '_log_filename', None)
+    for name in ('ROS_LOG_DIR', 'ROS_PYTHON_LOG_CONFIG_FILE'):
+        monkeypatch.delenv(name, raising=False)
+
+    def call(ros_home):
+        monkeypatch.setenv('ROS_HOME', str(ros_home))
+        log_handlers.install()
+        rospy.core.configure_logging('/ns/node')
+    yield call
+    for handler in logging.getLogger().handlers:
+        with contextlib.suppress(OSError):      # the disk is full
+            handler.close()
 
 
-def test_the_default_size_is_that_of_rosgraph():
-    path = os.path.join(os.environ.get('ROS_ETC_DIR', '/etc/ros'), 'python_logging.conf')
-    if not os.path.exists(path):
-        pytest.skip('this distribution has no ' + path)
-    with open(path) as file:
-        assert "'a', 50000000, 4)" in file.read()
+def below_a_file(folder):
+    (folder / 'file').write_text('')
+    return folder / 'file' / 'ros'
+
+
+def with_a_file_in_the_place_of_the_folder(folder):
+    (folder / 'log').write_text('')
+    return folder
+
+
+def with_a_folder_in_the_place_of_the_file(folder):
+    (folder / 'log' / 'ns_node.log').mkdir(parents=True)
+    return folder
+
+
+@pytest.mark.parametrize('prepare, reason', [
+    (below_a_file, 'cannot create log directory'),
+    (with_a_file_in_the_place_of_the_folder, 'is in the way'),
+    (with_a_folder_in_the_place_of_the_file, 'log/ns_node.log: Is a directory')])
+def test_without_a_file_one_line_says_so_and_the_terminal_has_the_log(configure, tmp_path, capfd,
+                                                                      prepare, reason):
+    configure(prepare(tmp_path))
+    rospy.loginfo('a line')
+    rospy.logerr('an error')
+    logging.getLogger('rospy.internal').warning('not for the terminal')
+    out, err = capfd.readouterr()
+    warning, error = err.splitlines()
+    assert reason in warning and 'ROS_LOG_DIR' in warning, warning
+    assert '[INFO]' in out and out.endswith(': a line\n') and error.endswith(': an error')
+    assert rospy.core._log_filename is None
+
+
+def test_with_a_file_rosgraph_configures_the_log(configure, tmp_path, capfd):
+    configure(tmp_path / 'new' / 'home')
+    rospy.loginfo('a line')
+    path = tmp_path / 'new' / 'home' / 'log' / 'ns_node.log'
+    assert path.read_text().endswith(': a line\n')
+    assert rospy.core._log_filename == str(path)
+    assert 'cannot' not in capfd.readouterr().err
+
+
+def test_the_first_line_of_rospy_on_a_full_disk_is_no_traceback(configure, tmp_path, capfd):
+    (tmp_path / 'log').mkdir()
+    os.symlink('/dev/full', str(tmp_path / 'log' / 'ns_node.log'))
+    configure(tmp_path)
+    logging.getLogger('rospy').warning('a line')
+    line, = capfd.readouterr().err.splitlines()
+    assert line.startswith('[WARN] cannot write to ') and 'No space left on device' in line

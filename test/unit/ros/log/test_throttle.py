@@ -1,5 +1,7 @@
 """Actions and warnings at most once per period of wall time."""
-from img_recog.ros.log.throttle import Throttle, ThrottledWarning
+import pytest
+
+from img_recog.ros.log.throttle import ChangeThrottle, Throttle, ThrottledWarning
 
 
 def test_ready_once_in_a_period(clock):
@@ -16,6 +18,22 @@ def test_ready_once_in_a_period_of_another_time(clock):
     throttle = Throttle(5.0, clock)
     assert [throttle.ready(time_s) for time_s in (10.0, 14.9, 15.0, 19.9, 0.0, 4.9)] == [
         True, False, True, False, True, False]      # time was reset to 0
+
+
+@pytest.mark.parametrize('states, shown', [
+    # one state per 0.1 s
+    (['none'] * 50, [0]),
+    (['none'] * 15 + ['blue'] * 20, [0, 15]),
+    (['none'] * 5 + ['blue'] * 20, [0, 10]),
+    (['none', 'blue'] * 25, [0, 11, 22, 33, 44]),
+    (['none'] * 3 + ['blue'] * 3 + ['none'] * 20, [0])])
+def test_a_line_is_shown_at_a_change_and_at_most_one_per_second(clock, states, shown):
+    throttle, found = ChangeThrottle(1.0, clock), []
+    for number, state in enumerate(states):
+        if throttle.shows(state):
+            found.append(number)
+        clock.advance(0.1 + 1e-9)
+    assert found == shown
 
 
 def test_each_warning_once_in_five_seconds_and_three_different_ones(clock):
