@@ -14,7 +14,7 @@ def hashes(monkeypatch):
 
 
 def test_own_files(hashes):
-    # tools/golden_hashes.py FOLDER compares the others, with clones of their repositories
+    # tools/golden.py --compare FOLDER compares the others, with clones of their repositories
     own = [each for each in hashes.read() if each.repository == '.']
     assert len(own) >= 3 and len(hashes.read()) >= len(own) + 20
     assert list(hashes.compared(own)) == []

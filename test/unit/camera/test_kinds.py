@@ -1,6 +1,6 @@
 """Kinds of films and pictures, compared with what the program ffmpeg makes of them.
 
-The table test/expected/kinds.md says what came out; it is read here.
+The table test/expected/kinds.txt says what came out; it is read here.
 """
 import functools
 import os
@@ -17,7 +17,7 @@ from img_recog.camera.source import SourceEnded, SourceError
 from img_recog.errors import UserError
 from img_recog.recordings.films import FilmFrames
 
-PAGE = os.path.join(os.path.dirname(__file__), '../../expected/kinds.md')
+PAGE = os.path.join(os.path.dirname(__file__), '../../expected/kinds.txt')
 H264 = '-c:v libx264 -pix_fmt yuv420p '
 HEVC = '-c:v libx265 -x265-params log-level=none -pix_fmt yuv420p '
 MPEG2 = '-c:v mpeg2video '
