@@ -8,6 +8,8 @@ import sys
 from img_recog_helpers.simulator_tools import Echo, burger
 from img_recog_helpers.waiting import wait_for
 
+# a busy machine may need longer than the default of 5 s to start a node again
+PATIENT = '_lockstep_timeout:=90'
 CAMERA = ('_camera_frame:=camera_link', '_camera_image_topic:=image_raw', '_camera_width:=64',
           '_camera_height:=48', '_world:=color_posts')
 # turns until it sees blue, then drives there; a command for each image
@@ -122,7 +124,7 @@ def path(ros, *parameters, start=driver, images=60, disturb=lambda node, process
     ros.set_parameters('/gazebo')
     ros.set_parameters('/robot_description', burger())
     node = ros.start_node('pybullet_sim.py', *CAMERA, '_camera_noise:=0.02',
-                          '_lockstep:=cmd_vel', *parameters)
+                          '_lockstep:=cmd_vel', PATIENT, *parameters)
     echo, scan, scans = Path(ros, '/odom'), Scans(ros, '/scan'), images // 7
     with contextlib.closing(echo), contextlib.closing(scan):
         wait_for(lambda: echo.is_connected.is_set() and scan.is_connected.is_set(),
@@ -142,7 +144,8 @@ def paths_of_two(ros, *delays, images=30):
         name: {'x_pos': x, 'y_pos': y} for name, (x, y) in places.items()}})
     ros.set_parameters('/robot_description', burger())
     node = ros.start_node('pybullet_sim.py', *CAMERA, '_several_robots:=true',
-                          '_lockstep:=tb3_0/cmd_vel tb3_1/cmd_vel', '_real_time_factor:=0')
+                          '_lockstep:=tb3_0/cmd_vel tb3_1/cmd_vel', '_real_time_factor:=0',
+                          PATIENT)
     with contextlib.ExitStack() as stack:
         echoes = [stack.enter_context(contextlib.closing(Path(ros, '/{}/odom'.format(name))))
                   for name in places]
