@@ -1,4 +1,5 @@
 """The address of the page, and the server."""
+import contextlib
 import logging
 import socket
 import urllib.error
@@ -9,7 +10,6 @@ import pytest
 from img_recog.errors import UserError
 from img_recog.nodes.web import server
 from img_recog.nodes.web.server import Server, address, listen
-from img_recog_helpers import connecting
 from img_recog_helpers.waiting import DEADLINE_S, wait_for
 
 
@@ -18,6 +18,25 @@ def free_port():
     with socket.socket() as probe:
         probe.bind(('127.0.0.1', 0))
         return min(probe.getsockname()[1], 65500)
+
+
+@contextlib.contextmanager
+def connections(address):
+    """Yield a function that connects to a server and sends data; close all at the end."""
+    with contextlib.ExitStack() as socks:
+        def connect(data=b''):
+            sock = socks.enter_context(socket.create_connection(address, DEADLINE_S))
+            sock.sendall(data)
+            return sock
+        yield connect
+
+
+def is_closed(sock):
+    """Wait until the other end closes the connection, without having sent anything."""
+    try:
+        return sock.recv(100) == b''
+    except ConnectionError:
+        return True
 
 
 def test_the_next_free_port_is_taken():
@@ -118,7 +137,7 @@ def serve():
     ids=['value', 'headers', 'path', 'message'])
 def test_what_is_endless_is_ended_and_others_are_served(serve, begin, piece):
     address_of = serve()
-    with connecting.connections(address_of) as connect:
+    with connections(address_of) as connect:
         with pytest.raises(ConnectionError):
             sock = connect(begin)
             for _ in range(1000):
@@ -132,7 +151,7 @@ def test_too_many_connections(serve, monkeypatch):
     monkeypatch.setattr(server, 'MAX_CONNECTIONS', 3)
     address_of = serve()
     url = 'http://{}:{}/'.format(*address_of)
-    with connecting.connections(address_of) as connect:
+    with connections(address_of) as connect:
         socks = [connect() for _ in range(2)]
         wait_for(lambda: status(url) == 503, lambda: 'the refusal of {}'.format(url))
         for sock in socks:
