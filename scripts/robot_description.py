@@ -3,5 +3,5 @@
 import sys
 
 if __name__ == '__main__':
-    from img_recog.loading.robot_file import main
-    sys.exit(main())
+    from img_recog.checks.cli import robot_description
+    sys.exit(robot_description())

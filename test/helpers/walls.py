@@ -27,7 +27,7 @@ ROS_LIBRARIES = ('actionlib', 'camera_info_manager', 'catkin', 'cv_bridge', 'dia
 ALLOWED = {
     **{folder: ('errors', 'files', 'formats', 'model', 'rotations', 'settings') + (
         ('processes',) if folder == 'simulation' else ()) for folder in PURE},
-    'command_line': ('errors',),
+    'command_line': ('errors', 'processes'),
     '__init__': (), 'errors': (), 'processes': ('errors',), 'rotations': (),
     'model': ('rotations',), 'files': ('errors',), 'settings': ('errors',),
     'loading': ('conversions', 'errors', 'files', 'formats', 'settings', 'simulation'),

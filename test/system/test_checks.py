@@ -61,8 +61,8 @@ def test_a_robot_that_can_be_used(run, tmp_path):
 def test_a_robot_that_cannot_be_used(run, tmp_path):
     (tmp_path / 'my.urdf').write_text('<robot name="r"><link name="a"/></robot>')
     assert run('check_robot.py', 'my.urdf') == (1, [
-        'check_robot.py: cannot use the robot in my.urdf: link a can move but has no mass; add an '
-        '<inertial> to it or to a link fixed to it'])
+        'check_robot.py: error: cannot use the robot in my.urdf: link a can move but has no mass; '
+        'add an <inertial> to it or to a link fixed to it'])
 
 
 def test_a_world_with_and_without_what_it_includes(run, tmp_path):
@@ -80,7 +80,7 @@ def test_a_world_with_and_without_what_it_includes(run, tmp_path):
     assert code == 1
     assert 'left out   model://chair  needs allow_partial_world:=true' in lines
     assert 'warning: world part.sdf: loaded without: model://chair' in lines
-    assert ('check_world.py: something is left out of it; start it with '
+    assert ('check_world.py: error: something is left out of it; start it with '
             'allow_partial_world:=true') in lines
     assert run('check_world.py', '--allow-partial-world', 'part.sdf')[0] == 0
 
@@ -163,7 +163,7 @@ def test_a_motor_drives_a_joint(run, tmp_path):
     (['--velocity', 'dor=1,2,3'], "no model 'dor' (models: ground_plane, door)")])
 def test_wrong_options_of_simulate(run, tmp_path, options, words):
     (tmp_path / 'door.sdf').write_text(sdf(BUILT_IN, DOOR))
-    assert run('simulate.py', 'door.sdf', *options) == (1, ['simulate.py: ' + words])
+    assert run('simulate.py', 'door.sdf', *options) == (1, ['simulate.py: error: ' + words])
 
 
 def test_what_is_left_out_of_a_world_as_figures(run, tmp_path):

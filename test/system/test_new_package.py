@@ -37,7 +37,7 @@ def test_it_has_the_name_everywhere(ros, src):
 def test_a_name_that_cannot_be_used(ros, src):
     code, line = new_package(ros, 'gazebo', src)
     assert (code, line) == (
-        1, 'new_package.py: simulator.launch has a node gazebo; choose another name\n')
+        1, 'new_package.py: error: simulator.launch has a node gazebo; choose another name\n')
     assert not [*src.iterdir()]
 
 

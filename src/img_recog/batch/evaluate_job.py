@@ -13,6 +13,7 @@ from img_recog.batch.engine import Engine
 from img_recog.batch.evaluation import ColorSet, Evaluated, Measured, Truth
 from img_recog.batch.stages import Results, Stages, divide
 from img_recog.batch.work import Piece
+from img_recog.command_line import programs
 from img_recog.command_line import results
 from img_recog.errors import UserError, counted, one_line, shortened, suggestion
 from img_recog.loading import resources
@@ -20,7 +21,7 @@ from img_recog.processes.signals import Interrupts
 from img_recog.recognition import parameter_file
 from img_recog.recordings import names
 from img_recog.recordings.frames import Remarks
-from img_recog.replay import cli, programs
+from img_recog.replay import cli
 from img_recog.simulation.settings import SpawnSettings
 
 _TRUTH = 'recording', 'frame', 'color', 'in_view'
@@ -133,10 +134,10 @@ def _read_truth(path: str, named: Dict[str, str], sets: Sequence[ColorSet]) -> T
 
 
 def _parser() -> argparse.ArgumentParser:
-    parser = argparse.ArgumentParser(
-        prog='evaluate.py', description='Measure recordings with several sets of colors; write '
+    parser = programs.parser(
+        'evaluate.py', 'Measure recordings with several sets of colors; write '
         'areas, commands and the path of the simulated robot side by side as a table (CSV), a '
-        'report and a picture.', allow_abbrev=False)
+        'report and a picture.')
     names.add_to(parser)
     parser.add_argument('--colors', required=True, nargs='+', metavar='YAML',
                         help='parameter files of color_extract')

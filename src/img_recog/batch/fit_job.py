@@ -13,6 +13,7 @@ from img_recog.batch.fit_report import Report
 from img_recog.batch.fit_settings import BaseSettings
 from img_recog.batch.stages import Results, Stages, divide
 from img_recog.batch.work import Piece
+from img_recog.command_line import programs
 from img_recog.errors import UserError
 from img_recog.processes.signals import Interrupts
 from img_recog.recognition.fitting import bounds, sample_file, samples
@@ -22,7 +23,6 @@ from img_recog.recognition.fitting.limits import BLOB_SIZES
 from img_recog.recognition.fitting.samples import SampleError, Samples
 from img_recog.recordings import names
 from img_recog.recordings.frames import Remarks
-from img_recog.replay import programs
 
 _log = logging.getLogger('fit_colors.py')
 
@@ -161,10 +161,10 @@ class _Fitting:
 
 def _parse(arguments: Sequence[str]) -> argparse.Namespace:
     """Return the options; paths without a ~."""
-    parser = argparse.ArgumentParser(
-        prog='fit_colors.py', description='Find the bounds of colors that separate them best in '
+    parser = programs.parser(
+        'fit_colors.py', 'Find the bounds of colors that separate them best in '
         'recordings. Writes a parameter file of color_extract, a report with pictures, and a '
-        'table with a row for each frame.', allow_abbrev=False)
+        'table with a row for each frame.')
     names.add_to(parser)
     parser.add_argument('--samples', metavar='YAML', required=True,
                         help='where in the recordings the colors are')

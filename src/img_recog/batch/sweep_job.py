@@ -16,11 +16,11 @@ from img_recog.batch.engine import Engine, Outcome
 from img_recog.batch.sweep_file import Run, Sweep
 from img_recog.batch.sweep_report import Ended
 from img_recog.batch.work import Done, Piece, run_piece
+from img_recog.command_line import programs
 from img_recog.command_line import results
 from img_recog.command_line.option_types import allowed
 from img_recog.errors import UserError, counted, suggestion
 from img_recog.processes.signals import Interrupts
-from img_recog.replay import programs
 
 _LONG_S = 24 * 3600.0
 _FILE_ROLES = 'world', 'urdf', 'colors'
@@ -136,11 +136,11 @@ def _write(paths: Sequence[str], path: str, sweep: Sweep, ended: Sequence[Ended]
 
 
 def _parser() -> argparse.ArgumentParser:
-    parser = argparse.ArgumentParser(
-        prog='sweep.py', description='Run many closed loops of a camera on the simulated robot, '
+    parser = programs.parser(
+        'sweep.py', 'Run many closed loops of a camera on the simulated robot, '
         'with other worlds, starts, colors, cameras and robots, in simulated time and without a '
         'master; write how many succeed as a table (CSV), a report and a picture, and the worst '
-        'ones as films.', allow_abbrev=False)
+        'ones as films.')
     parser.add_argument('sweep', metavar='SWEEP.yaml', help='which runs, and what is a success')
     parser.add_argument('--output', default='', metavar='FOLDER_OR_PREFIX',
                         help='where to write the files (default: NAME.sweep.csv, .md, .png and '

@@ -12,9 +12,10 @@ import numpy as np
 from img_recog.batch.sweep_file import Run, Success, Values, given
 from img_recog.errors import UserError
 from img_recog.loading import resources
+from img_recog.recognition import parameter_file
 from img_recog.rendering import renderer
 from img_recog.rendering.light import LightSettings
-from img_recog.replay import programs, scenario
+from img_recog.replay import scenario
 from img_recog.replay.chain import (SECOND_NS, ColorRecognition, FrameMeasurement, FrameResult,
                                     Recorder)
 from img_recog.replay.film import Film, FilmRecorder
@@ -171,7 +172,7 @@ def _loop(built: Assembly, run: Run, success: Success, time_limit_s: float,
     camera = dataclasses.replace(scenario.camera_settings(built), **given(CameraSettings, values))
     frames = RobotFrames(built, camera, time_limit_s, from_mapping(LightSettings, values),
                          run.seed, _renderer())
-    settings = programs.recognition_settings(values.get('colors', ''))
+    settings = parameter_file.read_or_default(values.get('colors', ''))
     judge = Judge(simulator, values['goal'], success)
     recorders: List[Recorder] = [judge]
     with contextlib.ExitStack() as stack:

@@ -1,46 +1,86 @@
-"""The command lines of check_robot.py, check_world.py and simulate.py."""
-import argparse
+"""The command lines of check_robot.py, check_world.py, simulate.py and robot_description.py."""
 import sys
-from typing import Callable
+from typing import Any, List
 
-from img_recog.checks.report import Report
+from img_recog.command_line import programs
 from img_recog.command_line.option_types import allowed
-from img_recog.errors import UserError, one_line
+from img_recog.errors import UserError
 
 _SECONDS = allowed(float, lambda seconds: 0 < seconds <= 1e6, 'a number above 0, at most 1e6')
+_NO_MASTER = ' It needs no master. Exits with 1 if it cannot be used.'
+
+
+class _Partial(programs.Incomplete):
+    code = 2
 
 
 def robot() -> int:
     """Check the robot that the command line names; return the exit code."""
-    parser = _parser('check_robot.py', 'Say what of a robot is simulated, what is not, and what '
-                     'is assumed; drive it a little.', 'a URDF or xacro file; with '
-                     "arguments of xacro: 'FILE NAME:=VALUE ...'")
+    return programs.run('check_robot.py', _check_robot)
+
+
+def _check_robot(words: List[str], _: object) -> str:
+    parser = programs.parser('check_robot.py', 'Say what of a robot is simulated, what is not, '
+                             'and what is assumed; drive it a little.' + _NO_MASTER)
+    parser.add_argument('file', metavar='FILE', help='a URDF or xacro file; with arguments of '
+                        "xacro: 'FILE NAME:=VALUE ...'")
     parser.add_argument('--controllers', metavar='YAML', action='append', default=[],
                         help='parameters of its controllers of ros_control; may be repeated')
-    options = parser.parse_args()
+    options = parser.parse_args(words)
     from img_recog.checks import robot_check    # it takes a second, as does PyBullet
-    return _run(parser.prog, lambda: robot_check.check(options.file, options.controllers))
+    return _text(robot_check.check(options.file, options.controllers))
 
 
 def world() -> int:
     """Check the world that the command line names; return the exit code."""
-    parser = _parser('check_world.py', 'Say what of a world is simulated, what is not, and what '
-                     'is left out.', 'an SDF, URDF or xacro file, or what else `world` can be')
+    return programs.run('check_world.py', _check_world)
+
+
+def _check_world(words: List[str], _: object) -> str:
+    parser = programs.parser('check_world.py', 'Say what of a world is simulated, what is not, '
+                             'and what is left out.' + _NO_MASTER)
+    parser.add_argument('file', metavar='FILE',
+                        help='an SDF, URDF or xacro file, or what else `world` can be')
     parser.add_argument('--allow-partial-world', action='store_true',
                         help='exit with 0 also if something is left out')
-    options = parser.parse_args()
+    options = parser.parse_args(words)
     from img_recog.checks import world_check
-    return _run(parser.prog,
-                lambda: world_check.check(options.file, options.allow_partial_world))
+    return _text(world_check.check(options.file, options.allow_partial_world))
+
+
+def _text(report: Any) -> str:
+    """Return the text of a Report; one with a problem is printed, and its problem raised."""
+    text = report.text()[:-1]
+    if report.problem:
+        programs.write(text)
+        raise UserError(report.problem)
+    return _Partial(text) if report.is_partial else text
+
+
+def robot_description() -> int:
+    """Print the URDF of the file that the command line names; return the exit code."""
+    return programs.run('robot_description.py', _describe)
+
+
+def _describe(words: List[str], _: object) -> str:
+    parser = programs.parser('robot_description.py', 'Print the URDF of the file of a robot.')
+    parser.add_argument('file', metavar='FILE', help='a URDF, or a xacro file, which is '
+                        "expanded; with arguments: 'FILE NAME:=VALUE ...'")
+    from img_recog.loading import robot_file
+    return robot_file.read(parser.parse_args(words).file)
 
 
 def simulate() -> int:
     """Print where everything is in the simulation that the command line names."""
-    parser = argparse.ArgumentParser(
-        prog='simulate.py', allow_abbrev=False, description='Simulate a world as fast as it goes '
-        'and print lines of JSON: where all links and joints are at each time, and at the end '
-        'what the sensors measure, and the masses. It needs no master. Exits with 1 '
-        'if the world or the robot cannot be used, with 2 if something of the world is left out.')
+    return programs.run('simulate.py', _simulate)
+
+
+def _simulate(words: List[str], _: object) -> str:
+    parser = programs.parser(
+        'simulate.py', 'Simulate a world as fast as it goes and print lines of JSON: where all '
+        'links and joints are at each time, and at the end what the sensors measure, and the '
+        'masses. It needs no master. Exits with 1 if the world or the robot cannot be used, with '
+        '2 if something of the world is left out.')
     parser.add_argument('world', metavar='WORLD',
                         help='an SDF, URDF or xacro file, or what else `world` can be')
     parser.add_argument('--urdf', metavar='ROBOT', default='',
@@ -58,39 +98,15 @@ def simulate() -> int:
                         'repeated')
     parser.add_argument('--pictures', metavar='DIR', default='',
                         help='write an image of each camera at the end')
-    given = parser.parse_args()
+    given = parser.parse_args(words)
     from img_recog.checks import simulation_run
-    try:
-        run = simulation_run.Run(simulation_run.Options(
-            given.world, given.urdf, given.until, given.every, given.twist, given.drive,
-            given.velocity, given.pictures))
-        told = 0
-        for line in run.lines():
-            for warning in run.warnings[told:]:
-                sys.stderr.write('warning: {}\n'.format(warning))
-            told = len(run.warnings)
-            sys.stdout.write(simulation_run.text_of(line) + '\n')
-    except UserError as error:
-        sys.stderr.write('{}: {}\n'.format(parser.prog, one_line(error)))
-        return 1
-    return 2 if run.left_out else 0
-
-
-def _parser(prog: str, description: str, file: str) -> argparse.ArgumentParser:
-    parser = argparse.ArgumentParser(
-        prog=prog, description=description + ' It needs no master. Exits with 1 if it cannot be '
-        'used.', allow_abbrev=False)
-    parser.add_argument('file', metavar='FILE', help=file)
-    return parser
-
-
-def _run(prog: str, check: Callable[[], Report]) -> int:
-    try:
-        report = check()
-    except UserError as error:
-        sys.stderr.write('{}: {}\n'.format(prog, one_line(error)))
-        return 1
-    sys.stdout.write(report.text())
-    if report.problem:
-        sys.stderr.write('{}: {}\n'.format(prog, report.problem))
-    return 1 if report.problem else 2 if report.is_partial else 0
+    run = simulation_run.Run(simulation_run.Options(
+        given.world, given.urdf, given.until, given.every, given.twist, given.drive,
+        given.velocity, given.pictures))
+    told = 0
+    for line in run.lines():
+        for warning in run.warnings[told:]:
+            sys.stderr.write('warning: {}\n'.format(warning))
+        told = len(run.warnings)
+        programs.write(simulation_run.text_of(line))
+    return _Partial() if run.left_out else ''

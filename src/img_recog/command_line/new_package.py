@@ -1,5 +1,4 @@
 """Makes a package of the user from the one in templates/; the command line of new_package.py."""
-import argparse
 import contextlib
 import importlib.machinery
 import os
@@ -9,9 +8,11 @@ import shutil
 import sys
 import tempfile
 import xml.etree.ElementTree as ElementTree
+from typing import List
 
 import rospkg
 
+from img_recog.command_line import programs
 from img_recog.errors import UserError, one_line
 
 _TEMPLATE = 'my_robot_vision'       # also the word that is replaced by the name
@@ -19,19 +20,17 @@ _TEMPLATE = 'my_robot_vision'       # also the word that is replaced by the name
 
 def main() -> int:
     """Make the package that the command line names; return the exit code."""
-    parser = argparse.ArgumentParser(
-        prog='new_package.py', description='Make a package with a node that drives a robot by the '
-        'images of its camera, tests of it in the simulator, and files for CI.')
+    return programs.run('new_package.py', _make)
+
+
+def _make(words: List[str], _: object) -> str:
+    parser = programs.parser(
+        'new_package.py', 'Make a package with a node that drives a robot by the images of its '
+        'camera, tests of it in the simulator, and files for CI.')
     parser.add_argument('name', metavar='NAME', help='of the package, its node and its files')
     parser.add_argument('folder', metavar='DIR', help='where to make it: src of a workspace')
-    options = parser.parse_args()
-    try:
-        path = make(options.name, options.folder)
-    except UserError as error:
-        sys.stderr.write('{}: {}\n'.format(parser.prog, one_line(error)))
-        return 1
-    sys.stdout.write('made the package {}\n'.format(path))
-    return 0
+    options = parser.parse_args(words)
+    return 'made the package {}'.format(make(options.name, options.folder))
 
 
 def make(name: str, folder: str) -> pathlib.Path:

@@ -1,40 +1,26 @@
 """The command line of graph.py: a picture of the running system."""
 import argparse
 import os
-import signal
-import sys
 import time
-from typing import Optional, Sequence
-
-import rosgraph
+from typing import List, Optional, Sequence
 
 from img_recog import files
+from img_recog.command_line import programs
 from img_recog.command_line.option_types import allowed
-from img_recog.errors import UserError, one_line
 from img_recog.graph import dot
 from img_recog.graph.reader import SystemReader
 from img_recog.graph.system import visible
-from img_recog.processes.signals import Interrupts
 
 _SECONDS = 2.0          # in which rates are measured
 
 
 def main(arguments: Optional[Sequence[str]] = None) -> int:
     """Run the tool; return its exit code."""
-    options = _options(rosgraph.myargv()[1:] if arguments is None else arguments)
-    try:
-        path = _draw(options)
-    except UserError as error:
-        sys.stderr.write('graph.py: {}\n'.format(one_line(error)))
-        return 1
-    except KeyboardInterrupt:
-        return 128 + signal.SIGINT
-    sys.stdout.write(path + '\n')
-    return 0
+    return programs.run('graph.py', _draw, words=arguments)
 
 
-def _draw(options: argparse.Namespace) -> str:
-    reader = SystemReader()
+def _draw(words: List[str], _: object) -> str:
+    options, reader = _parser().parse_args(words), SystemReader()
     system = reader.read()
     if options.seconds:
         time.sleep(options.seconds)
@@ -42,18 +28,15 @@ def _draw(options: argparse.Namespace) -> str:
     shown = system if options.all else visible(system, options.leaves)
     picture = dot.draw(dot.to_dot(shown), _kind(options.output))
     path = files.user_output_path(options.output)
-    # not earlier: while nothing is written, a signal ends the program at once; an exception would
-    # wait for the threads that ask the nodes
-    Interrupts()
     with files.atomic_write([path], 'give a path that can be written') as (file,):
         file.write(picture)
     return path
 
 
-def _options(arguments: Sequence[str]) -> argparse.Namespace:
-    parser = argparse.ArgumentParser(
-        prog='graph.py', description='Draw the nodes and topics of the running system to a file, '
-        'like rqt_graph with "Nodes/Topics (all)", with the rate of each topic.')
+def _parser() -> argparse.ArgumentParser:
+    parser = programs.parser(
+        'graph.py', 'Draw the nodes and topics of the running system to a file, like rqt_graph '
+        'with "Nodes/Topics (all)", with the rate of each topic.')
     parser.add_argument('output', metavar='FILE', type=allowed(
                             str, lambda path: _kind(path) in dot.FORMATS,
                             'a path that ends in .' + ', .'.join(dot.FORMATS)),
@@ -69,7 +52,7 @@ def _options(arguments: Sequence[str]) -> argparse.Namespace:
                             float, lambda seconds: 0 <= seconds < 3600,
                             'a number of seconds, 0 or more and below an hour'),
                         help='how long to measure rates; 0: draw none (default: %(default)g)')
-    return parser.parse_args(arguments)
+    return parser
 
 
 def _kind(path: str) -> str:

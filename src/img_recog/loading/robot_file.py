@@ -1,5 +1,4 @@
 """Reads the file of a robot: a URDF, or a xacro file, which is expanded to a URDF."""
-import argparse
 import contextlib
 import io
 import os
@@ -65,20 +64,6 @@ def read_any(path: str) -> Union[str, bytes]:
     """
     content = read_bytes(path)
     return _checked_and_expanded(path, content) if path.endswith(_XACRO) else content
-
-
-def main() -> int:
-    """Print the URDF of the file that is the program's argument; return the exit code."""
-    parser = argparse.ArgumentParser(description='Print the URDF of the file of a robot.')
-    parser.add_argument('file', metavar='FILE', help='a URDF, or a xacro file, which is '
-                        "expanded; with arguments: 'FILE NAME:=VALUE ...'")
-    path = parser.parse_args().file
-    try:
-        sys.stdout.write(read(path))
-    except UserError as error:
-        sys.stderr.write('{}\n'.format(one_line(error)))
-        return 1
-    return 0
 
 
 def xacro_command() -> int:

@@ -1,4 +1,5 @@
 """A YAML file with the parameters of the color recognition."""
+import os
 import reprlib
 from typing import Any, Dict, List, Sequence
 
@@ -23,6 +24,14 @@ def read(path: str) -> RecognitionSettings:
     Raises ParameterError naming the file, the parameter, its value and the allowed values.
     """
     return settings_in(values_in(path), path)
+
+
+def read_or_default(path: str) -> RecognitionSettings:
+    """Return the settings in a file that a user names; if empty, those of the article.
+
+    Raises ParameterError, as `read` does.
+    """
+    return read(os.path.expanduser(path)) if path else with_colors()()
 
 
 def settings_in(values: Dict[str, Any], path: str) -> RecognitionSettings:

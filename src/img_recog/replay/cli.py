@@ -4,6 +4,7 @@ import os
 from typing import Sequence
 
 from img_recog.camera.settings import CameraSettings
+from img_recog.command_line import programs
 from img_recog.command_line.option_types import allowed
 from img_recog.errors import UserError
 from img_recog.formats import still_images
@@ -60,10 +61,10 @@ def spawn_settings(options: argparse.Namespace) -> SpawnSettings:
 
 def _parser() -> argparse.ArgumentParser:
     spawn = SpawnSettings()
-    parser = argparse.ArgumentParser(
-        prog='replay.py', description='Run a video or a bag through the color recognition '
+    parser = programs.parser(
+        'replay.py', 'Run a video or a bag through the color recognition '
         'and the simulated robot, as fast as possible and without a ROS master; write the result '
-        'as a bag, a table (CSV) and a picture (PNG).', allow_abbrev=False)
+        'as a bag, a table (CSV) and a picture (PNG).')
     parser.add_argument('input', metavar='RECORDING', nargs='?', default='',
                         help='a video, a folder of pictures, or a bag with images')
     parser.add_argument('--camera', choices=['robot'], default='',

@@ -13,15 +13,16 @@ from tqdm import tqdm
 from visualization_msgs.msg import MarkerArray
 
 from img_recog import files
+from img_recog.command_line import programs
 from img_recog.command_line.option_types import allowed
 from img_recog.conversions import plane_msgs
 from img_recog.conversions.plane_msgs import MAX_NUMBER, PoseError
 from img_recog.errors import counted
 from img_recog.formats import still_images
 from img_recog.processes.signals import Interrupts
+from img_recog.recognition import parameter_file
 from img_recog.recordings.bags import BagFrames
 from img_recog.recordings.frames import SECOND_NS
-from img_recog.replay import programs
 from img_recog.replay.bag_messages import Messages
 from img_recog.replay.film import Film
 from img_recog.replay.film_picture import FilmPicture
@@ -40,7 +41,7 @@ def _make(arguments: List[str], interrupts: Interrupts) -> str:
     options = _options(arguments)
     path, output = os.path.expanduser(options.bag), os.path.expanduser(options.output)
     files.refuse_input(output, path, 'filmed', 'give the film another name')
-    settings = programs.recognition_settings(options.colors)
+    settings = parameter_file.read_or_default(options.colors)
     frames = BagFrames(path, options.topic, options.max_image_pixels, advice=_BAG_ADVICE)
     with frames.bag, files.atomic_write([output], 'give a path that can be written') as (file,):
         messages = Messages(path, frames.bag, frames.topic, _KINDS,
@@ -117,9 +118,9 @@ def scan_points(msg: LaserScan, pose: Tuple[float, float, float]) -> np.ndarray:
 
 
 def _options(arguments: Sequence[str]) -> argparse.Namespace:
-    parser = argparse.ArgumentParser(
-        prog='film.py', description='Make a film of a recorded bag: camera, masked images, map '
-        'and charts side by side.', allow_abbrev=False)
+    parser = programs.parser(
+        'film.py', 'Make a film of a recorded bag: camera, masked images, map '
+        'and charts side by side.')
     parser.add_argument('bag', metavar='BAG', help='a bag with images, as of ./run demo '
                         'record:=FILE')
     parser.add_argument('output', metavar='FILE.mp4', help='where to write the film',

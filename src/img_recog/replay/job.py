@@ -10,14 +10,16 @@ from typing import TYPE_CHECKING, Callable, List, Optional, Sequence, Tuple, Uni
 from tqdm import tqdm
 
 from img_recog import files
+from img_recog.command_line import programs
 from img_recog.command_line import results
 from img_recog.errors import UserError, counted
 from img_recog.processes.signals import Interrupts
+from img_recog.recognition import parameter_file
 from img_recog.recognition.settings import RecognitionSettings
 from img_recog.recordings import names
 from img_recog.recordings.films import FilmFrames
 from img_recog.recordings.frames import SECOND_NS
-from img_recog.replay import cli, programs, scenario
+from img_recog.replay import cli, scenario
 from img_recog.replay.chain import ColorRecognition, Recognition, Recorder
 from img_recog.replay.loop import Loop
 from img_recog.replay.recorders import BagRecorder, PlotRecorder, TableRecorder
@@ -109,7 +111,7 @@ def _recognition(options: argparse.Namespace
                  ) -> Tuple[Callable[[Frames], Recognition], RecognitionSettings]:
     """Return what makes the recognition of an input, and the settings of its colors."""
     if not options.recognize:
-        settings = programs.recognition_settings(options.colors)
+        settings = parameter_file.read_or_default(options.colors)
         return lambda _: ColorRecognition(settings), settings
     # imported here because few need it
     from img_recog.camera import calibration

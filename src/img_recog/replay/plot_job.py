@@ -11,6 +11,7 @@ import rosgraph
 from tqdm import tqdm
 
 from img_recog import files
+from img_recog.command_line import programs
 from img_recog.command_line.option_types import allowed
 from img_recog.errors import UserError, counted, one_line, shortened
 from img_recog.processes.bag_recording import BagRecording
@@ -18,7 +19,6 @@ from img_recog.processes.signals import Interrupts
 from img_recog.recognition import parameter_file
 from img_recog.recognition.settings import RecognitionSettings
 from img_recog.recordings.bag_file import DAMAGE_ERRORS, damaged, open_bag
-from img_recog.replay import programs
 from img_recog.replay.drive import Drive, odometry_of, topics_beside
 from img_recog.replay.figure import ReplayFigure
 from img_recog.replay.plot_data import PlotData
@@ -42,7 +42,7 @@ def main(arguments: Optional[Sequence[str]] = None) -> int:
 def _make(arguments: List[str], _: Interrupts) -> str:
     options = _options(arguments)
     path, output = os.path.expanduser(options.bag), os.path.expanduser(options.output)
-    settings = programs.recognition_settings(options.colors)
+    settings = parameter_file.read_or_default(options.colors)
     if path:
         files.refuse_input(output, path, 'drawn', 'give the picture another name')
     with contextlib.ExitStack() as stack:
@@ -125,10 +125,9 @@ def _recorded(topics: Sequence[str], seconds: float) -> Iterator[str]:
 
 
 def _options(arguments: Sequence[str]) -> argparse.Namespace:
-    parser = argparse.ArgumentParser(
-        prog='plot.py', description='Draw areas, commands, speed and path of a robot, as '
-        'replay.py does: of a recorded bag, or of the running system from now on.',
-        allow_abbrev=False)
+    parser = programs.parser(
+        'plot.py', 'Draw areas, commands, speed and path of a robot, as '
+        'replay.py does: of a recorded bag, or of the running system from now on.')
     parser.add_argument('bag', metavar='BAG', nargs='?', default='',
                         help='a bag with odometry; without it, the running system is recorded')
     parser.add_argument('output', metavar='FILE.png', help='where to write the picture',

@@ -67,10 +67,10 @@ def test_a_path_that_cannot_be_written(draw, tmp_path):
 @pytest.mark.parametrize('uri, problem', [
     ('http://127.0.0.1:1', 'no master answers at http://127.0.0.1:1'),
     ('junk', "ROS_MASTER_URI is 'junk', expected http://HOST:PORT; set it to ")])
-def test_without_a_master(monkeypatch, capsys, uri, problem):
+def test_without_a_master(monkeypatch, caplog, handlers_as_before, uri, problem):
     monkeypatch.setenv('ROS_MASTER_URI', uri)
     assert cli.main(['out.svg']) == 1
-    assert capsys.readouterr().err.startswith('graph.py: ' + problem)
+    assert caplog.messages[0].startswith(problem)
 
 
 # a signal arrives while the file is written

@@ -65,8 +65,8 @@ class _Notice:
         self._said.add(reason)
         try:
             sys.stderr.write(
-                '[WARN] cannot write to {}: {}; lines of the log are missing there until it can be '
-                'written again\n'.format(shortened(self._target), reason))
+                '[WARN] cannot write to {}: {}; lines of the log are missing there until it can '
+                'be written again\n'.format(shortened(self._target), reason))
         except (OSError, ValueError):       # the terminal is gone too
             pass
 

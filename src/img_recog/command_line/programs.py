@@ -1,14 +1,13 @@
-"""What programs with a command line, like replay.py and film.py, have in common."""
+"""The programs of the package: their command lines, their ends, and what they write."""
+import argparse
 import logging
 import os
 import signal
 import sys
-from typing import Callable, List, Optional, Sequence
+from typing import Any, Callable, List, Optional, Sequence
 
 from img_recog.errors import UserError, named_in_crashes, one_line
 from img_recog.processes.signals import Interrupts
-from img_recog.recognition import parameter_file
-from img_recog.recognition.settings import RecognitionSettings, with_colors
 
 
 class _Lines(logging.Formatter):
@@ -23,10 +22,21 @@ class _Lines(logging.Formatter):
 
 
 class Incomplete(str):
-    """The summary of a program that has done a part of its work; its exit code is 1."""
+    """The summary of a program that has not done all of its work.
+
+    code: its exit code.
+    """
+
+    code = 1
 
 
-def run(name: str, program: Callable[[List[str], Interrupts], str], failed: str,
+def parser(name: str, description: str, **options: Any) -> argparse.ArgumentParser:
+    """Return a parser of the command line of a program, whose options cannot be abbreviated."""
+    return argparse.ArgumentParser(prog=name, description=description, allow_abbrev=False,
+                                   **options)
+
+
+def run(name: str, program: Callable[[List[str], Interrupts], str], failed: str = 'cannot write',
         words: Optional[Sequence[str]] = None) -> int:
     """Run a program, print the summary that it returns, and return the exit code.
 
@@ -38,6 +48,12 @@ def run(name: str, program: Callable[[List[str], Interrupts], str], failed: str,
     return _flush(_run(name, program, failed, sys.argv[1:] if words is None else words))
 
 
+def write(text: str) -> None:
+    """Write lines to stdout; not all terminals can show Japanese."""
+    encoding = sys.stdout.encoding or 'utf-8'
+    sys.stdout.write(text.encode(encoding, 'replace').decode(encoding) + '\n')
+
+
 def _run(name: str, program: Callable[[List[str], Interrupts], str], failed: str,
          words: Sequence[str]) -> int:
     handler = logging.StreamHandler()
@@ -47,8 +63,9 @@ def _run(name: str, program: Callable[[List[str], Interrupts], str], failed: str
     try:
         arguments = [word for word in words if not (word.startswith('__') and ':=' in word)]
         summary = named_in_crashes(' '.join([name, *arguments]), program, arguments, interrupts)
-        sys.stdout.write(summary + '\n')
-        return int(isinstance(summary, Incomplete))
+        if summary:
+            write(summary)
+        return getattr(summary, 'code', 0)
     except UserError as error:
         log.error('%s', one_line(error))
         return 1
@@ -69,8 +86,3 @@ def _flush(code: int) -> int:
             os.dup2(os.open(os.devnull, os.O_WRONLY), stream.fileno())
             code = code or 1
     return code
-
-
-def recognition_settings(path: str) -> RecognitionSettings:
-    """Return the settings in a parameter file of color_extract; if empty, those of the article."""
-    return parameter_file.read(os.path.expanduser(path)) if path else with_colors()()

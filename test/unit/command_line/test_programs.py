@@ -1,4 +1,4 @@
-"""What replay.py and film.py have in common."""
+"""What all programs have in common."""
 import os
 import signal
 import subprocess
@@ -6,8 +6,8 @@ import sys
 
 import pytest
 
+from img_recog.command_line import programs
 from img_recog.errors import UserError
-from img_recog.replay import programs
 
 
 @pytest.fixture
@@ -37,7 +37,7 @@ def test_what_ends_a_program_is_one_line(run, error, line, code):
 
 def test_a_crash_has_a_line_with_the_words_of_the_command():
     crashed = subprocess.run([
-        sys.executable, '-c', 'import faulthandler\nfrom img_recog.replay import programs\n'
+        sys.executable, '-c', 'import faulthandler\nfrom img_recog.command_line import programs\n'
         'programs.run("replay.py", lambda *_: faulthandler._sigsegv(), "", ["a.flv"])'],
         stderr=subprocess.PIPE, universal_newlines=True)
     assert crashed.returncode == -signal.SIGSEGV and '<replay.py a.flv>' in crashed.stderr
