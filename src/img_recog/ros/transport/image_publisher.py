@@ -1,5 +1,6 @@
 """Publishers for large messages: images and clouds of points."""
 import io
+import math
 import struct
 from typing import Callable, Optional, Tuple, Union
 
@@ -65,12 +66,12 @@ class LargePublisher:
             return
         topic.seq += 1
         msg.header.seq = topic.seq
-        size = int(np.prod(shape))
-        head, tail = (np.frombuffer(part, np.uint8) for part in _around_data(msg, size))
+        size = math.prod(shape)
+        head, tail = _around_data(msg, size)
         data = np.empty(len(head) + size + len(tail), np.uint8)
-        data[:len(head)], data[len(head) + size:] = head, tail
-        draw(data[len(head):len(head) + size].reshape(shape))
         packet = Packet(data.data)
+        packet.data[:len(head)], packet.data[len(head) + size:] = head, tail
+        draw(data[len(head):len(head) + size].reshape(shape))
         if self._redelivery is None:
             send(packet, topic.connections)
         else:
