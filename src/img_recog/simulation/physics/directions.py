@@ -9,26 +9,28 @@ A wheel that does not come near to slipping needs neither: a contact costs as mu
 else of a small robot. Then the second link meets nothing, and the first one has the load, with the
 lowest coefficient of the wheel in all directions.
 """
-from typing import Callable, Dict, Iterator, List, NamedTuple, Optional
+import math
+from typing import Callable, Dict, Iterator, List, NamedTuple, Optional, Tuple
 
 import numpy as np
 import pybullet
 
 from img_recog import rotations
 from img_recog.simulation.physics import meeting, stiffness
+from img_recog.simulation.physics.body import Vector
 from img_recog.simulation.physics.client import link_indices
 from img_recog.simulation.physics.framed_body import FramedBody
 from img_recog.simulation.physics.tyres import ACROSS
 from img_recog.simulation.physics.wheels import axis_of
 
-_PERIOD_STEPS = 10
+_PERIOD_STEPS, _GRIPPING_STEPS = 10, 40
 _PARALLEL = 0.7
 # Of the angle between the floor and a direction that turns: friction is weaker by that in ODE on
 # the mean, both along and across.
 _MEAN_COSINE = 2 / np.pi
 _FAST_RAD_S = 30.0      # from there on, the mean counts
-_SLIPS_FROM = 0.5       # of the lowest friction that it can have
-_GRIPS_AFTER = 10       # periods without that
+_SLIPS_FROM = 0.8       # of the lowest friction that it can have
+_GRIPS_AFTER = 5       # periods without that
 _LITTLE = 0.01
 
 Coefficient = Callable[[int, int], float]       # of a link of a body, by PyBullet's numbers
@@ -43,10 +45,10 @@ class _Wheel(NamedTuple):
 
     link: int
     second: int
-    axle: np.ndarray
-    along: np.ndarray
-    across: np.ndarray
-    turning: Optional[np.ndarray]
+    axle: Vector
+    along: Vector
+    across: Vector
+    turning: Optional[Vector]
     lowest: float
     bitmask: int
 
@@ -73,16 +75,16 @@ class Directions:
                 along, across = np.full(3, surface.across), surface.mu
                 turning = None
                 if abs(axle @ direction) < _PARALLEL:
-                    turning = turn @ direction
+                    turning = _vector(turn @ direction)
                     along = np.where(np.abs(turn @ direction) > _PARALLEL, surface.mu,
                                      surface.mu * (2 * _MEAN_COSINE - 1))
                     across = surface.across * _MEAN_COSINE
                 # twice of it on half of the load
                 half = 2 / (surface.largest or 1.0)
                 self._wheels.append(_Wheel(
-                    link, indices[joint.child + ACROSS], turn @ axle,
-                    np.where(is_axle, 0.0, along * half), np.where(is_axle, across * half, 0.0),
-                    turning, min(*along[~is_axle], across) * half / 2,
+                    link, indices[joint.child + ACROSS], _vector(turn @ axle),
+                    _vector(np.where(is_axle, 0.0, along * half)),
+                    _vector(np.where(is_axle, across * half, 0.0)), turning, min(*along[~is_axle], across) * half / 2,
                     bitmasks[joint.child]))
         self._of_link = {link: wheel for wheel in self._wheels
                          for link in (wheel.link, wheel.second)}
@@ -93,12 +95,16 @@ class Directions:
 
     def reset(self) -> None:
         """Forget what slipped: to be called when all was moved to its start."""
-        self._steps = 0
+        self._wait = 0
         self._periods: Dict[int, int] = {}      # until the wheel of a link grips, 0 if it does
 
-    def update(self) -> None:
-        """Set the friction for where the axles point; to be called before each step."""
-        if self._steps % _PERIOD_STEPS == 0:
+    def before_steps(self, most: int) -> int:
+        """Set the friction for where the axles point, if it is time for that.
+
+        Returns for how many steps that is right, at most `most`: do not do more before the next
+        call, and tell `stepped` how many were done.
+        """
+        if self._wait == 0:
             near = set(self._near_to_slipping())
             for wheel in self._wheels:
                 before = self._periods.get(wheel.link)
@@ -109,7 +115,12 @@ class Directions:
                     self._divide(wheel, bool(now))
                 if now:
                     self._turn(wheel)
-        self._steps += 1
+            self._wait = _PERIOD_STEPS if any(self._periods.values()) else _GRIPPING_STEPS
+        return min(most, self._wait)
+
+    def stepped(self, count: int) -> None:
+        """Count steps that were done."""
+        self._wait -= count
 
     def _near_to_slipping(self) -> Iterator[int]:
         """Yield the first link of each wheel with more force along the floor than is sure."""
@@ -133,7 +144,7 @@ class Directions:
         pybullet.setCollisionFilterGroupMask(
             self._body.body_id, wheel.second,
             *(meeting.groups_and_mask(wheel.bitmask) if slips else (0, 0)), **self._client)
-        for link in (wheel.link, wheel.second):
+        for link in {wheel.link, wheel.second} & self._springs.keys():
             stiffness.set_spring(self._body, link, self._springs[link].scaled(1 / (1 + slips)))
         if not slips:
             pybullet.changeDynamics(self._body.body_id, wheel.link,
@@ -141,17 +152,30 @@ class Directions:
 
     def _turn(self, wheel: _Wheel) -> None:
         """Set the friction of a wheel that slips for where its axle points."""
+        # without numpy, which takes ten times as long for so little
         turned = pybullet.getLinkState(self._body.body_id, wheel.link, computeForwardKinematics=1,
                                        **self._client)[1]
-        turn = rotations.matrix(turned)
-        x, y, _ = turn @ wheel.axle
+        x, y = _along_floor(turned, wheel.axle)
         # the limits of both of PyBullet's directions add up
-        sum_of_both = (abs(x) + abs(y)) / (np.hypot(x, y) or 1.0) or 1.0
-        across = wheel.across
+        sum_of_both = (abs(x) + abs(y)) / (math.hypot(x, y) or 1.0) or 1.0
+        weaker = 1.0
         if wheel.turning is not None and abs(pybullet.getJointState(
                 self._body.body_id, wheel.link, **self._client)[1]) < _FAST_RAD_S:
-            across = across / _MEAN_COSINE * np.hypot(*(turn @ wheel.turning)[:2])
-        for link, scales in ((wheel.link, wheel.along), (wheel.second, across)):
+            weaker = math.hypot(*_along_floor(turned, wheel.turning)) / _MEAN_COSINE
+        for link, scales, factor in ((wheel.link, wheel.along, 1.0),
+                                     (wheel.second, wheel.across, weaker)):
             pybullet.changeDynamics(
-                self._body.body_id, link, anisotropicFriction=(scales / sum_of_both).tolist(),
+                self._body.body_id, link,
+                anisotropicFriction=[scale * factor / sum_of_both for scale in scales],
                 **self._client)
+
+
+def _vector(array: np.ndarray) -> Vector:
+    x, y, z = array.tolist()
+    return x, y, z
+
+
+def _along_floor(turned: rotations.Quaternion, vector: Vector) -> Tuple[float, float]:
+    """Return x and y in the world of a vector in a frame."""
+    rows, (x, y, z) = rotations.elements(*turned), vector
+    return (rows[0] * x + rows[1] * y + rows[2] * z, rows[3] * x + rows[4] * y + rows[5] * z)

@@ -41,7 +41,9 @@ def added(model: Model, driven: Collection[str] = ()) -> Model:
                 solids=tuple(part for solid in solids for part in _shod(solid, joint)))
             if wheel.surface.direction and all(_is_round(solid, axis) for solid in solids):
                 second = joint.child + ACROSS
-                links[second] = Link(second, solids=links[joint.child].solids, space=wheel.space)
+                links[second] = Link(second, solids=tuple(
+                    tread for solid in solids for tread in _treads(solid, joint)),
+                    space=wheel.space)
                 joints.append(Joint(second, FIXED, joint.child, second))
     return dataclasses.replace(model, links=tuple(links.values()), joints=tuple(joints))
 
@@ -77,13 +79,21 @@ def _shod(solid: Solid, joint: Joint) -> Iterator[Solid]:
     """Yield a cylinder about the axis of its joint without what reaches the floor beside its
     treads, and those; other solids as they are.
     """
+    for number, tread in enumerate(_treads(solid, joint)):
+        if number == 0 and tread is not solid:
+            radius, length = solid.shape.size
+            yield solid._replace(shape=solid.shape._replace(
+                size=(max(radius - _CLEARANCE_M, radius / 2), length)))
+        yield tread
+
+
+def _treads(solid: Solid, joint: Joint) -> Iterator[Solid]:
+    """Yield those of a cylinder about the axis of its joint; other solids as they are."""
     if (solid.shape.kind != CYLINDER or solid.shape.size[1] <= _TREAD_M
             or not _is_round(solid, axis_of(joint))):
         yield solid
         return
     radius, length = solid.shape.size
-    yield solid._replace(shape=solid.shape._replace(
-        size=(max(radius - _CLEARANCE_M, radius / 2), length)))
     rise = (joint.pose.rotation @ solid.pose.rotation[:, 2])[2]
     for end in (1, -1):
         if end * rise < _MIN_LEAN:

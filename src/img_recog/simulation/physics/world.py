@@ -190,15 +190,21 @@ class World:
         # local names: this is the innermost loop
         step, physics_client_id = pybullet.stepSimulation, self.physics_client_id
         acting = [forces.apply for forces in self._forces.values()]
-        acting += [directions.update for directions in self._directions.values()]
         if self.pushes:
             acting.append(self.pushes.apply)
         if self._pairs.needs_updates:
             acting.append(self._pairs.update)
-        for _ in range(count):
-            for act in acting:
-                act()
-            step(physicsClientId=physics_client_id)
+        while count > 0:
+            steps = count
+            for directions in self._directions.values():
+                steps = directions.before_steps(steps)
+            for _ in range(steps):
+                for act in acting:
+                    act()
+                step(physicsClientId=physics_client_id)
+            for directions in self._directions.values():
+                directions.stepped(steps)
+            count -= steps
 
     def close(self) -> None:
         """End the physics client; nothing of it can be used any more."""
