@@ -8,6 +8,7 @@ from img_recog.model import ALL_BITS, Model
 from img_recog.simulation.physics.body import Body
 from img_recog.simulation.physics.client import link_indices, links_of_base
 from img_recog.simulation.physics.framed_body import FramedBody
+from img_recog.simulation.physics.tyres import ACROSS
 
 # Two links meet in PyBullet if a group of one is in the mask of the other. Of those without a
 # bitmask, all are, and so is the one that rays are in; those of a file are beyond its own. Links
@@ -88,8 +89,9 @@ def _solid_links(body: FramedBody) -> Iterator[Tuple[int, str, str]]:
     indices, owners = link_indices(body.body_id, body.physics_client_id), _owners(body.model)
     spaces = {link.name: link.space for link in body.model.links}
     for link in body.model.links:
-        if link.solids:
-            yield indices[link.name], owners[link.name], spaces[owners[link.name]]
+        for name in (link.name, link.name + ACROSS):
+            if link.solids and name in indices:
+                yield indices[name], owners[link.name], spaces[owners[link.name]]
 
 
 def _joined(model: Model) -> Iterator[Tuple[str, str]]:

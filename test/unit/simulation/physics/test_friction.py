@@ -184,6 +184,18 @@ def test_wheels_with_a_direction_touch_twice_only_while_they_slip():
     assert touching(simulator) == touching(plain)
 
 
+def test_second_contacts_of_wheels_do_not_meet_the_chassis():
+    urdf = robot(DRIVE + '<gazebo><self_collide>1</self_collide></gazebo>', separation=0.2)
+    for wheel in ('left_0', 'right_0'):
+        urdf = with_tags(urdf, wheel, '<mu1>0.1</mu1><mu2>0.1</mu2><fdir1>0 0 1</fdir1>')
+    simulator = assembled(urdf).simulator
+    simulator.vehicles[0].command(2.0, 0.0)
+    simulator.advance(300)
+    contacts = pybullet.getContactPoints(physicsClientId=simulator.world.physics_client_id)
+    links = [contact[3:5] for contact in contacts if contact[1] == contact[2]]
+    assert (len(contacts), links) == (10, [])      # four of each wheel, and two casters
+
+
 def test_what_touched_is_forgotten_on_a_reset(tmp_path):
     path = tmp_path / 'w.sdf'
     path.write_text(WORLD.format(
