@@ -26,7 +26,7 @@ _MAX_AHEAD_S = 3600.0       # of a stamp; the clock of a simulation starts at 0
 _ERRORS = (*timed_xmlrpc.ERRORS, ValueError, TypeError, IndexError)
 
 
-class System(NamedTuple):
+class Running(NamedTuple):
     """Nodes and topics as the master and the nodes tell them.
 
     published, subscribed: the nodes of each topic. types: of each topic, by the node.
@@ -63,7 +63,7 @@ def check_running() -> Iterator[Finding]:
     yield from missing_packages(names)
 
 
-def _read(uri: str) -> System:
+def _read(uri: str) -> Running:
     with Master(uri, _NAME, _TIMEOUT_S) as master:
         state = master.state()
         nodes = sorted(state.nodes)
@@ -80,7 +80,7 @@ def _read(uri: str) -> System:
             for topic, kind in answer:
                 if kind != '*':
                     types.setdefault(topic, {})[node] = kind
-    return System(state.published, state.subscribed, types, dead, uris, is_sim_time)
+    return Running(state.published, state.subscribed, types, dead, uris, is_sim_time)
 
 
 def _topics_of(uri: Any) -> Any:
@@ -98,7 +98,7 @@ def _ask(uri: str, method: str, *arguments: Any) -> Any:
         return answer[2]
 
 
-def _dead_nodes(system: System) -> Iterator[Finding]:
+def _dead_nodes(system: Running) -> Iterator[Finding]:
     for node, (uri, error) in sorted(system.dead.items()):
         if isinstance(error, socket.gaierror):
             advice = message('set ROS_IP on the computer of that node to its address and start '
@@ -113,7 +113,7 @@ def _dead_nodes(system: System) -> Iterator[Finding]:
                               shortened(uri), one_line(error)), advice)
 
 
-def _clock(system: System) -> Iterator[Finding]:
+def _clock(system: Running) -> Iterator[Finding]:
     clocks = system.publishers('/clock')
     if system.is_sim_time and not clocks:
         yield Finding(
@@ -137,7 +137,7 @@ def _clock(system: System) -> Iterator[Finding]:
                       message('they were started before /use_sim_time was set: start them again'))
 
 
-def _types(system: System) -> Iterator[Finding]:
+def _types(system: Running) -> Iterator[Finding]:
     for topic, by_node in sorted(system.types.items()):
         kinds = sorted(set(by_node.values()))
         if len(kinds) > 1:
@@ -149,7 +149,7 @@ def _types(system: System) -> Iterator[Finding]:
                         '<remap> in a launch file'))
 
 
-def _messages(system: System) -> Iterator[Finding]:
+def _messages(system: Running) -> Iterator[Finding]:
     """Compare what has subscribers: MD5 sums with those here, and stamps with /clock."""
     published = [(node, topic, by_node[node]) for topic, by_node in sorted(system.types.items())
                  if system.subscribed.get(topic) and len(set(by_node.values())) == 1
@@ -206,7 +206,7 @@ def _hear(uri: str, topic: str, kind: str) -> Tuple[str, float]:
     return md5sum, 0.0
 
 
-def _missing_publishers(system: System) -> Iterator[Finding]:
+def _missing_publishers(system: Running) -> Iterator[Finding]:
     for topic, nodes in sorted(system.subscribed.items()):
         kinds: Set[str] = set(system.types.get(topic, {}).values())
         if system.publishers(topic) or not kinds or topic == '/clock':

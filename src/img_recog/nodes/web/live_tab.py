@@ -75,7 +75,7 @@ class LiveTab:
 
     def __init__(self, visit: Visit):
         """Add its elements."""
-        self._system, self._robot, self._t = visit.system, visit.robot, visit.texts
+        self._shared, self._robot, self._t = visit.shared, visit.robot, visit.texts
         self._recording_call, self._is_recording = OneCall(), False     # what the button says
         self._picture_call = OneCall()
         with ui.element('div').classes('board'):
@@ -95,14 +95,14 @@ class LiveTab:
 
     def _show_with(self, topic: str, element: Any) -> None:
         """Hide an element until its topic is published for the first time."""
-        element.bind_visibility_from(self._system.robots, 'seen', lambda seen: topic in seen)
+        element.bind_visibility_from(self._shared.robots, 'seen', lambda seen: topic in seen)
 
     def update(self) -> None:
         """Show what other pages and nodes have changed."""
-        self._is_recording = is_recording = bool(self._system.recorder.path)
+        self._is_recording = is_recording = bool(self._shared.recorder.path)
         self._record_button.props('color=' + ('negative' if is_recording else 'primary'))
         self._record_button.text = self._t('stop_recording' if is_recording else 'record')
-        simulator = self._system.simulator.values()
+        simulator = self._shared.simulator.values()
         if simulator.get('view') in self._view.options:
             self._view.value = simulator['view']
         factor = simulator.get('real_time_factor')
@@ -200,7 +200,7 @@ class LiveTab:
 
     async def _record(self) -> None:
         is_running = self._is_recording         # or else two who stop would start one
-        path = await self._recording_call.wait_for(self._system.recorder.record, not is_running)
+        path = await self._recording_call.wait_for(self._shared.recorder.record, not is_running)
         if path:
             ui.notify(self._t('recorded' if is_running else 'recording_to', path),
                       multi_line=True)
@@ -218,9 +218,9 @@ class LiveTab:
             self._drive_picture.set_visibility(True)
 
     def _on_factor(self, event: Any) -> None:
-        if event.value not in (None, self._system.simulator.values().get('real_time_factor')):
-            self._system.simulator.change(real_time_factor=float(event.value))
+        if event.value not in (None, self._shared.simulator.values().get('real_time_factor')):
+            self._shared.simulator.change(real_time_factor=float(event.value))
 
     def _on_view(self, event: Any) -> None:
-        if event.value not in (None, self._system.simulator.values().get('view')):
-            self._system.simulator.change(view=event.value)
+        if event.value not in (None, self._shared.simulator.values().get('view')):
+            self._shared.simulator.change(view=event.value)

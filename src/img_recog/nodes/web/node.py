@@ -43,7 +43,7 @@ from img_recog.nodes.web.shown_robot import resolve
 from img_recog.nodes.web.shown_robots import ShownRobots
 from img_recog.nodes.web.tabs import TABS
 from img_recog.nodes.web.tuning import Tuning
-from img_recog.nodes.web.visit import System
+from img_recog.nodes.web.visit import Shared
 from img_recog.processes import bag_recording
 from img_recog.processes.bag_recording import BagRecording, Recorder
 from img_recog.ros import lifecycle, parameters
@@ -99,7 +99,7 @@ class Web:
                 self._pictures.allow(each.topic for each in await run_in_threadpool(
                     robot.picture_topics))
                 await self._feed.serve(socket, robot)
-        page.build(app, System(self._robots, Tuning(rospy.resolve_name('gazebo')),
+        page.build(app, Shared(self._robots, Tuning(rospy.resolve_name('gazebo')),
                                self._recorder))
         return app
 

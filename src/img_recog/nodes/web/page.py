@@ -16,7 +16,7 @@ from nicegui import Client, run, ui
 from img_recog.nodes.web import texts
 from img_recog.nodes.web.tabs import TABS
 from img_recog.nodes.web.texts import Texts
-from img_recog.nodes.web.visit import System, Visit
+from img_recog.nodes.web.visit import Shared, Visit
 
 _STATIC = os.path.join(os.path.dirname(os.path.abspath(__file__)), 'static')
 _POLL_S = 0.4           # of values that other pages or nodes may change
@@ -24,7 +24,7 @@ _MAX_WAITING = 20       # pages whose browser has not opened a WebSocket yet
 _PATIENCE_S = 5.0       # with a robot that is gone: a new master knows its nodes one by one
 
 
-def build(app: FastAPI, system: System) -> None:
+def build(app: FastAPI, shared: Shared) -> None:
     """Add the page to an application, and let NiceGUI serve it."""
     app.mount('/static', StaticFiles(directory=_STATIC))
     for tab in TABS:
@@ -35,9 +35,9 @@ def build(app: FastAPI, system: System) -> None:
     @ui.page('/')
     async def index(request: Request) -> None:
         language = texts.language_of(request.headers.get('accept-language', ''))
-        robot = await run.io_bound(system.robots.get, request.query_params.get('robot', ''))
+        robot = await run.io_bound(shared.robots.get, request.query_params.get('robot', ''))
         pictures = await run.io_bound(robot.picture_topics)
-        _Page(Visit(system, robot, texts_in(language), pictures))
+        _Page(Visit(shared, robot, texts_in(language), pictures))
         _keep_few(waiting, ui.context.client)
 
     ui.run_with(app, title='img_recog', dark=None, tailwind=False, reconnect_timeout=5.0)
@@ -90,12 +90,12 @@ class _Page:
         client.on_disconnect(lambda: self._watch(client.has_socket_connection))
 
     def _watch(self, is_watched: bool) -> None:
-        for tuning in (self._robot.colors, self._visit.system.simulator):
+        for tuning in (self._robot.colors, self._visit.shared.simulator):
             tuning.watch(self, is_watched)
 
     def _poll(self) -> None:
         """Show what other pages and nodes have changed."""
-        names, now_s = self._visit.system.robots.names, time.monotonic()
+        names, now_s = self._visit.shared.robots.names, time.monotonic()
         if self._robot.name not in names:
             if now_s - self._seen_s > _PATIENCE_S:
                 ui.navigate.to('/')

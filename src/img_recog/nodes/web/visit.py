@@ -8,7 +8,7 @@ from img_recog.nodes.web.tuning import Tuning
 from img_recog.processes.bag_recording import Recorder
 
 
-class System(NamedTuple):
+class Shared(NamedTuple):
     """What all pages share. simulator: its parameters."""
 
     robots: ShownRobots
@@ -19,7 +19,7 @@ class System(NamedTuple):
 class Visit(NamedTuple):
     """A page of a visitor, for one robot. pictures: those that it can show."""
 
-    system: System
+    shared: Shared
     robot: ShownRobot
     texts: Texts
     pictures: List[PictureTopic]

@@ -69,9 +69,10 @@ class LargePublisher:
         size = math.prod(shape)
         head, tail = _around_data(msg, size)
         data = np.empty(len(head) + size + len(tail), np.uint8)
-        packet = Packet(data.data)
-        packet.data[:len(head)], packet.data[len(head) + size:] = head, tail
+        view = data.data
+        view[:len(head)], view[len(head) + size:] = head, tail
         draw(data[len(head):len(head) + size].reshape(shape))
+        packet = Packet(view)
         if self._redelivery is None:
             send(packet, topic.connections)
         else:

@@ -9,7 +9,7 @@ from nicegui import Client, ui
 from img_recog.nodes.web import page
 from img_recog.nodes.web.shown_robot import PictureTopic
 from img_recog.nodes.web.tabs import Tab
-from img_recog.nodes.web.visit import System
+from img_recog.nodes.web.visit import Shared
 from img_recog.teleoperation.settings import VelocityLimits
 
 
@@ -41,7 +41,7 @@ def client():
     app = FastAPI()
     with pytest.MonkeyPatch().context() as monkeypatch:
         monkeypatch.setattr(page, 'TABS', (*page.TABS, SONAR))
-        page.build(app, System(robots, robot.colors, SimpleNamespace(path='')))
+        page.build(app, Shared(robots, robot.colors, SimpleNamespace(path='')))
         with TestClient(app) as client:
             yield client
 
