@@ -52,7 +52,6 @@ class RemoteVideoSource(VideoSource):
 
     _unreadable = '{} can no longer be read: its server is gone, or has another video now'
     _incomplete = 'truncated or damaged, or its server closed the connection'
-    _opens_ahead = False        # a server may allow one connection
 
     def __init__(self, url: str, decoder: Decoder, loop: bool,
                  warn: Callable[[str], None], now: Callable[[], float] = time.monotonic,

@@ -1,8 +1,6 @@
 """Frames of a video, decoded by FFmpeg."""
-import contextlib
 import os
 from collections import deque
-from concurrent.futures import Future, ThreadPoolExecutor
 from typing import Callable, Deque, Optional, Tuple
 
 import numpy as np
@@ -17,11 +15,7 @@ from img_recog.formats.still_images import DEFAULT_MAX_PIXELS
 # The frame count in a video's index may differ by a few from what its decoder gives.
 _MISSING_SHARE = 0.02
 _MISSING_FRAMES = 2
-_AHEAD_S = 1.0          # before its end, a video that plays in a loop is opened again
-
 _MAX_DAMAGED_FRAMES = 4096      # in a row; then it is a video no longer
-
-_Opened = Tuple[Decoder, np.ndarray]        # and the first frame
 
 
 def not_playable(name: str) -> SourceError:
@@ -44,7 +38,6 @@ class VideoSource(FrameSource):
     step_s: float
     _unreadable = '{} can no longer be read: moved or replaced while it played'
     _incomplete = 'truncated or damaged'
-    _opens_ahead = True
 
     def __init__(self, path: str, loop: bool = True, warn: Callable[[str], None] = lambda _: None,
                  max_pixels: int = DEFAULT_MAX_PIXELS,
@@ -59,7 +52,6 @@ class VideoSource(FrameSource):
         self._path = path if '://' in path else os.path.abspath(path)
         self._loop, self._warn, self._max_pixels = loop, warn, max_pixels
         self.name = redacted(path)
-        self._ahead: 'Optional[Future[_Opened]]' = None
         self._count = self._position = 0        # frames that were read; since the last start
         self.damaged = self._damaged = 0
         opened = decoder or self._open()
@@ -109,12 +101,6 @@ class VideoSource(FrameSource):
             if self._loop:
                 self._next.clear()
                 self._append(self._rewind())
-        elif self._loop and self._ahead is None and self._opens_ahead and (
-                0 <= self.expected_frames - self._position <= _AHEAD_S * self.rate_hz):
-            # in a thread: it takes longer than a frame is shown
-            executor = ThreadPoolExecutor(1)
-            self._ahead = executor.submit(self._open_again)
-            executor.shutdown(wait=False)
         self.step_s = self._times.step_s
         self.height, self.width = frame.shape[:2]
         return frame
@@ -148,24 +134,16 @@ class VideoSource(FrameSource):
     def _rewind(self) -> np.ndarray:
         # reopened, because seeking is inexact in many containers
         self._decoder.release()
-        ahead, self._ahead = self._ahead, None
-        if ahead is not None and ahead.exception() is None:
-            self._decoder, image = ahead.result()
-        else:
-            self._decoder, image = self._open_again()
-        self._position = 0
-        self._times.restart()
-        return image
-
-    def _open_again(self) -> _Opened:
         decoder = self._open()
         if decoder is None:
             raise SourceError(self._unreadable.format(self.name))
-        with released_on_error(decoder):
-            image = self._read_frame(decoder)
-            if image is None or image.shape[:2] != self._first_size:
-                raise SourceError(self._unreadable.format(self.name))
-        return decoder, image
+        self._decoder = decoder
+        image = self._read_frame(decoder)
+        if image is None or image.shape[:2] != self._first_size:
+            raise SourceError(self._unreadable.format(self.name))
+        self._position = 0
+        self._times.restart()
+        return image
 
     def _check_length(self) -> None:
         # of some containers the frame count is that of their duration at a constant rate
@@ -178,8 +156,4 @@ class VideoSource(FrameSource):
                 self.name, self._count, self.expected_frames, self._incomplete))
 
     def close(self) -> None:
-        ahead, self._ahead = self._ahead, None
-        if ahead is not None:
-            with contextlib.suppress(Exception):    # what would have ended the video
-                ahead.result()[0].release()
         self._decoder.release()
