@@ -15,20 +15,22 @@ FOLDER = os.path.join(os.path.dirname(os.path.abspath(__file__)), '..', '..', 'u
 WORLDS = {'turtlebot3_world': os.path.join(FOLDER, 'turtlebot3_world.urdf')}
 
 
-def whole_burger():
-    """Return the URDF of the burger."""
+def burger(tags=None):
+    """Return the URDF of the burger; tags: in place of those of its drive and its sensors."""
     with open(os.path.join(FOLDER, 'turtlebot3_burger.urdf')) as file:
-        return file.read()
-
-
-def burger(tags=''):
-    """Return the URDF of the burger with other tags than those of its drive and its sensors."""
-    return whole_burger().split('  <!-- Drive and sensors')[0] + tags + '</robot>'
+        text = file.read()
+    return text if tags is None else (
+        text.split('  <!-- Drive and sensors')[0] + tags + '</robot>')
 
 
 def burgers_drive(**changed):
     """Return the settings of the burger's drive, some of them changed."""
-    return dataclasses.replace(read(whole_burger()).settings.drive, **changed)
+    return dataclasses.replace(read(burger()).settings.drive, **changed)
+
+
+def burgers(sensor, **changed):
+    """Return the settings of one of the burger's sensors, some of them changed."""
+    return dataclasses.replace(read(burger()).settings.sensors[sensor], **changed)
 
 
 def assemble(world_name='empty', x=0.0, y=0.0, yaw=0.0, z=0.0, urdf=None, find_mesh=None,
@@ -37,9 +39,8 @@ def assemble(world_name='empty', x=0.0, y=0.0, yaw=0.0, z=0.0, urdf=None, find_m
     """
     physics = PhysicsSettings(world=world_name)
     robot = read(burger() if urdf is None else urdf, 'robot_description', find_mesh)
-    given = {**{each.name: robot.settings.sensors[each.name] for each in robot.sensors
-                if each.kind.is_drawn}, **settings}
-    robot = robot._replace(settings=settings_of(x, y, yaw, z, **given))
+    robot = robot._replace(settings=settings_of(
+        x, y, yaw, z, **{**robot.settings.sensors, **settings}))
     for camera in cameras:
         robot = robot.with_sensor(CAMERA, camera)
     world = world_file.read(world_name, WORLDS, allow_partial=allow_partial)
@@ -54,13 +55,13 @@ def read(urdf, source='robot.urdf', find_mesh=None):
 
 
 def settings_of(x=0.0, y=0.0, yaw=0.0, z=0.0, **settings):
-    """Return the settings of a robot; **settings: those of the drive, by default that of
-    the burger, the noise and sensors.
+    """Return the settings of a robot; **settings: those of the drive, the noise and sensors, by
+    default of the burger.
     """
     groups = {name: settings.pop(name) for name in GROUPS if name in settings}
     groups.setdefault('drive', burgers_drive())
     groups.setdefault('spawn', SpawnSettings(x_pos=x, y_pos=y, z_pos=z, yaw=yaw))
-    return RobotSettings(sensors=settings, **groups)
+    return RobotSettings(sensors={**read(burger()).settings.sensors, **settings}, **groups)
 
 
 def simulator(*args, **kwargs):

@@ -38,7 +38,7 @@ def test_warns_and_continues(simulate, parameter, addition, named):
 
 
 def test_a_sensor_without_its_link_has_no_topic(ros, simulate):
-    node = simulate(urdf=robots.burger().replace('imu_link', 'a_link'))
+    node = simulate(urdf=burger().replace('reference="imu_link"', 'reference="torso"'))
     node.wait_output('simulating 1.0017 kg')
     topics = ros.run('rostopic', 'list').split()
     assert '/scan' in topics and '/imu' not in topics
@@ -90,12 +90,13 @@ def test_the_pose_is_published_on_tf(ros, simulate):
 
 
 def test_a_robot_without_a_drive_has_its_sensors_and_takes_no_commands(ros, simulate):
-    node = simulate(urdf=robots.burger())
+    node = simulate(urdf=re.sub('(?s)<plugin name="drive".*?</plugin>', '', burger()))
     node.wait_output('simulating 1.0017 kg')
     line, = complaints(node)
     assert 'robot_description: it does not drive, as it has no drive that is simulated;' in line
     ros.wait_run('ranges:', 'rostopic', 'echo', '-n', '1', '/scan')
     assert '/cmd_vel' not in ros.run('rostopic', 'list', '-s').split()
+    assert '/odom' not in ros.run('rostopic', 'list').split()
 
 
 def test_gazebo_tags_are_used(ros, simulate):

@@ -104,14 +104,20 @@ def find(robot: ElementTree.Element, find_controllers: FindControllers,
         kind, parameters = TYPES.get(values['type']), _Parameters(name, values, step_s)
         if kind and set(kind.wheels(parameters)) <= set(joints):    # else of another robot
             found = kind.read(parameters, joints)
-            values = dict(found.values)
-            for other in controllers:
-                if controllers[other]['type'] == _JOINT_STATES:
-                    _Parameters(other, controllers[other], step_s).add_period(
-                        'joint_states_period_s', values)
-            return Drive(CONTROL, values, (*found.problems, *not_simulated(
+            return found._replace(problems=(*found.problems, *not_simulated(
                 robot, controllers, name)))
     return None
+
+
+def joint_states(robot: ElementTree.Element, find_controllers: FindControllers,
+                 step_s: float) -> Values:
+    """Return the settings of joint states that a controller of a <robot> publishes."""
+    values: Values = {}
+    for name, parameters in of_robot(robot, find_controllers).items():
+        if parameters['type'] == _JOINT_STATES:
+            values.setdefault('joint_states_period_s', step_s)
+            _Parameters(name, parameters, step_s).add_period('joint_states_period_s', values)
+    return values
 
 
 def of_robot(robot: ElementTree.Element, find_controllers: FindControllers) -> Controllers:

@@ -9,7 +9,7 @@ from typing import Iterable, List, Optional
 from img_recog.formats import drive_controllers
 from img_recog.formats.drive_controllers import CORNERS, Drive, FindControllers
 from img_recog.formats.gazebo_tags import (FLAG, NAME, NAMES, NUMBER, POSITIVE, RATE, TOPIC, Row,
-                                           Tags, Values, choice, is_of)
+                                           Tags, choice, is_of)
 from img_recog.model import PLANAR, Model
 
 _WORLD, _ENCODER = 'world', 'encoder'
@@ -23,8 +23,6 @@ _UPDATE_RATE = (
     Row('drive_period_s', RATE, 'plugin', 'updateRate', 'update_rate'),
     Row('odometry_period_s', RATE, 'plugin', 'updateRate', 'update_rate'),
     Row('joint_states_period_s', RATE, 'plugin', 'updateRate', 'update_rate'))
-# of the two plugins for wheels of gazebo_plugins
-_ASSUMED: Values = {'odometry_period_s': 0.01, 'joint_states_period_s': 0.01}
 
 
 def _other_sizes(plugin: ElementTree.Element) -> List[str]:
@@ -52,7 +50,7 @@ DIFF_DRIVE = Drive(Tags(('gazebo_ros_diff_drive',), (
     # of this simulator alone: of messages, where they are fewer than updates of the motors
     Row('odometry_period_s', RATE, 'plugin', 'odometryRate'),
     Row('joint_states_period_s', RATE, 'plugin', 'odometryRate')), not_simulated=_other_sizes),
-    {'left_joint': 'left_joint', 'right_joint': 'right_joint', **_ASSUMED})
+    {'left_joint': 'left_joint', 'right_joint': 'right_joint'})
 
 PLUGINS = (
     DIFF_DRIVE,
@@ -65,7 +63,7 @@ PLUGINS = (
         # the names of the plugin
         {'leftFrontJoint': 'left_front_joint', 'leftRearJoint': 'left_rear_joint',
          'rightFrontJoint': 'right_front_joint', 'rightRearJoint': 'right_rear_joint',
-         **_ASSUMED, 'publish_odom_tf': False}),
+         'publish_odom_tf': False}),
     Drive(Tags(('gazebo_ros_planar_move',), (
         Row('odometry_period_s', RATE, 'plugin', 'odometryRate', 'publish_rate'),
         Row('publish_odom_tf', FLAG, 'plugin', 'publishTF', 'publish_odom_tf'),

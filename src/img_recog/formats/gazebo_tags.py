@@ -7,7 +7,8 @@ friction. The rows of each kind of sensors are beside its class, as `Tags`.
 """
 import math
 import xml.etree.ElementTree as ElementTree
-from typing import Any, Callable, Dict, Iterator, List, Mapping, NamedTuple, Optional, Sequence
+from typing import (Any, Callable, Dict, Iterable, Iterator, List, Mapping, NamedTuple, Optional,
+                    Sequence)
 
 from img_recog.errors import SimulationError
 from img_recog.formats import camera_values
@@ -66,7 +67,7 @@ class Tags(NamedTuple):
     needs_sensor: bool = False
     defaults: Mapping[str, Values] = {}
     bare: Values = {}
-    not_simulated: Callable[[ElementTree.Element], Sequence[str]] = lambda owner: ()
+    not_simulated: Callable[[ElementTree.Element], Iterable[str]] = lambda owner: ()
 
 
 class SensorTag(NamedTuple):
@@ -208,13 +209,16 @@ def _values_in(part: _Part, tags: Tags, step_s: float) -> Values:
         values[tags.frame] = part.link
     for row in tags.rows:
         owner = part.plugin if row.owner == 'plugin' else part.sensor
+        # one of a sensor without a text has the default, as for sdformat
         path = next((path for path in (row.path, row.other_path)
-                     if owner is not None and path and owner.find(path) is not None), None)
+                     if owner is not None and path and owner.find(path) is not None
+                     and (row.owner == 'plugin' or row.reader.of_element
+                          or text_of(owner, path))), None)
         if owner is not None and path is not None:
             value = _value(owner, path, row.reader)
             if value is not None:
                 # of a sensor's and a plugin's, the lower one counts
-                if row.reader is RATE or row.reader is RAY_RATE:
+                if row.reader is RATE:
                     value = max(nearest_period(value, step_s), values.get(row.setting, 0))
                 elif row.reader is TOPIC:
                     value = _in_namespace(value, owner)
@@ -252,7 +256,8 @@ def _value(owner: ElementTree.Element, path: str, reader: Reader) -> Any:
 
 
 def _number(text: str) -> float:
-    value = float(text)
+    """Return the number that a text begins with, as sdformat reads it."""
+    value = float(next(iter(text.split()), ''))
     if not math.isfinite(value):
         raise ValueError(text)
     return value
@@ -289,8 +294,6 @@ FLAG = choice('true, false, 1 or 0', {'true': True, '1': True, 'false': False, '
 POSITIVE = Reader('a finite number', lambda text: max(_number(text), 0.0) or None)
 # for one or each axis
 DEVIATION = Reader('finite numbers', _deviation)
-# in Hz, for the setting of a period; 0 means "each physics step"
-RATE = Reader('a finite number', lambda text: POSITIVE.read(text) or math.inf)
-# of rays, which take long: 0 leaves the default
-RAY_RATE = Reader(*POSITIVE)
+# in Hz, for the setting of a period; 0 means each step of the physics, as in Gazebo
+RATE = Reader('a finite number', lambda text: max(_number(text), 0.0) or math.inf)
 EACH_STEP = 0.0             # the default of a period

@@ -107,10 +107,13 @@ def read_robot(urdf: Union[str, ElementTree.Element], step_s: float, find: FindF
         of_tags = tuple(dict.fromkeys((*found.not_simulated, *of_cameras, *stray)))
         of_controllers = drive.problems if drive else drive_controllers.not_simulated(
             root, drive_controllers.of_robot(root, controllers))
-        values = drive.settings(found.values) if drive else found.values
+        given = {**drive_controllers.joint_states(root, controllers, step_s), **found.values}
+        values = drive.settings(given) if drive else given
         sensors = sensors_of(kinds, [*found.sensors, *cameras])
+        settings = _settings(model, sensors, values, read)
         return RobotSpec(
-            source, model, _settings(model, sensors, values, read), sensors, values,
+            source, model, settings, [each for each in sensors if each.name in settings.sensors],
+            values,
             (*('{}: {}'.format(source, line)
                for line in _warnings(model, of_tags, of_controllers)),
              *audit.warnings(source, findings)),
@@ -178,10 +181,21 @@ def _settings(model: Model, sensors: Sequence[RobotSensor], tag_values: Mapping[
         # libgazebo_ros_diff_drive has <legacyMode>, in which they are
         drive = dataclasses.replace(drive, left_joint=drive.right_joint,
                                     right_joint=drive.left_joint)
-    return RobotSettings(
-        read(SpawnSettings, values), drive, read(NoiseSettings, values),
-        {each.name: read(each.kind.settings, values) if each.reads_parameters
-         else settings_in_tag(each) for each in sensors})
+    of_sensors = {each.name: read(each.kind.settings, values) if each.reads_parameters
+                  else settings_in_tag(each) for each in sensors}
+    return RobotSettings(read(SpawnSettings, values), drive, read(NoiseSettings, values), {
+        each.name: of_sensors[each.name] for each in sensors
+        if _is_there(each, of_sensors[each.name], drive, values)})
+
+
+def _is_there(sensor: RobotSensor, settings: Any, drive: DriveSettings,
+              values: Mapping[str, Any]) -> bool:
+    """Return whether a robot has a sensor: in its tags, or on a link that the settings name; one
+    that is on no link belongs to a drive, or to what gives its settings in `values`.
+    """
+    if sensor.kind.tags.frame or sensor.kind.only_in_tags:
+        return bool(sensor.values or sensor.kind.frame(settings))
+    return drive.is_there or any(name.startswith(sensor.kind.name) for name in values)
 
 
 def _settings_of_tree(tree: Tree, sensors: Sequence[RobotSensor],

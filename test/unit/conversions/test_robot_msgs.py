@@ -16,6 +16,7 @@ from img_recog.simulation.sensors.joint_states import JointStateSettings
 from img_recog.simulation.sensors.laser_scanner import ScanSettings
 from img_recog.simulation.sensors.odometry import OdometrySettings
 from img_recog.simulation.sensors.range_sensor import RangeSettings
+from img_recog_helpers.robots import burgers
 
 STAMP = rospy.Time(12, 34)
 ODOMETRY, JOINTS = OdometrySettings(base_frame='base'), JointStateSettings()
@@ -75,7 +76,7 @@ def test_stamps_are_exact(time_s, nanoseconds):
 
 
 def test_scan():
-    settings = ScanSettings(scan_samples=4, scan_frame='laser')
+    settings = burgers('scan', scan_samples=4, scan_frame='laser')
     msg = robot_msgs.scan_to_msg(np.array([0.5, np.inf, 1.0, 3.5]), settings, STAMP)
     assert (msg.header.frame_id, msg.header.stamp) == ('laser', STAMP)
     assert (msg.angle_min, msg.angle_max, msg.angle_increment) == (0.0, 6.28319, 6.28319 / 3)
@@ -84,7 +85,7 @@ def test_scan():
 
 
 def test_scan_of_one_ray():
-    msg = robot_msgs.scan_to_msg(np.array([0.5]), ScanSettings(scan_samples=1), STAMP)
+    msg = robot_msgs.scan_to_msg(np.array([0.5]), burgers('scan', scan_samples=1), STAMP)
     assert (msg.angle_increment, msg.ranges) == (6.28319, [0.5])
 
 
@@ -107,7 +108,7 @@ def test_field_of_view_of_the_rays():
 
 
 def test_imu():
-    msg = robot_msgs.imu_to_msg(READING, ImuSettings(gyro_noise=0.5, accel_noise=0.25), STAMP)
+    msg = robot_msgs.imu_to_msg(READING, burgers('imu', gyro_noise=0.5, accel_noise=0.25), STAMP)
     assert (msg.header.frame_id, msg.header.stamp) == ('imu_link', STAMP)
     assert msg.angular_velocity_covariance == [0.25, 0, 0, 0, 0.25, 0, 0, 0, 0.25]
     assert msg.linear_acceleration_covariance == [0.0625, 0, 0, 0, 0.0625, 0, 0, 0, 0.0625]

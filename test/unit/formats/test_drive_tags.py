@@ -3,6 +3,8 @@ import pytest
 
 from img_recog.formats import drive_controllers, drive_tags, urdf
 from img_recog.settings import from_mapping
+from img_recog.simulation.sensors.joint_states import JointStateSettings
+from img_recog.simulation.sensors.odometry import OdometrySettings
 from img_recog.simulation.settings import DriveSettings
 from img_recog_helpers import parsed
 from img_recog_helpers.refusals import refusal
@@ -106,15 +108,16 @@ def test_every_name_of_a_tag(names):
         'command_topic': 'go', 'odometry_topic': 'at', 'odom_frame': 'map', 'base_frame': 'base',
         'odometry_source': 'encoder', 'publish_odom_tf': False, 'left_joint': 'l',
         'right_joint': 'r', 'wheel_separation': 2.0, 'wheel_diameter': 3.0, 'wheel_torque': 4.0,
-        'wheel_acceleration': 5.0, 'odometry_period_s': 0.01, 'joint_states_period_s': 0.01}
+        'wheel_acceleration': 5.0}
 
 
 @pytest.mark.parametrize('library', ['gazebo_ros_diff_drive', 'gazebo_ros_skid_steer_drive'])
 def test_what_plugins_for_wheels_assume(library):
     found = values(plugin(library))
-    assert not differing(found, odometry_period_s=0.01, joint_states_period_s=0.01)
-    drive = from_mapping(DriveSettings, found)
+    drive, odometry, joints = (from_mapping(each, found) for each in (
+        DriveSettings, OdometrySettings, JointStateSettings))
     assert (drive.wheel_torque, drive.wheel_acceleration, drive.drive_period_s) == (5.0, 0.0, 0.01)
+    assert (odometry.odometry_period_s, joints.joint_states_period_s) == (0.01, 0.01)
 
 
 def test_messages_of_a_drive_can_be_fewer_than_its_updates():

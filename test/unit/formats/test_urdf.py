@@ -51,7 +51,7 @@ def test_an_unknown_material_is_named_and_leaves_the_other():
     tag = BLUE.replace('Blue', 'Plaid')
     assert colors(tag.format('a'), tag.format('b')) == (
         {'a': [None, None], 'b': [None]}, ['material Gazebo/Plaid'])
-    robot = read_robot(burger().replace('</robot>', tag.format('base_link') + '</robot>'),
+    robot = read_robot(burger('').replace('</robot>', tag.format('base_link') + '</robot>'),
                        0.001, lambda uri: None, 'robot.urdf')
     assert robot.warnings == (
         'robot.urdf: not known or not found, of its materials: material Gazebo/Plaid; those links '
@@ -70,7 +70,7 @@ def test_textures_of_the_urdf_are_found_or_named():
 
 @pytest.mark.parametrize('link', ['base_link', 'base_scan'])
 def test_links_that_are_lumped_keep_the_material(link):
-    urdf = burger().replace('</robot>', BLUE.format(link) + '</robot>')
+    urdf = burger('').replace('</robot>', BLUE.format(link) + '</robot>')
     built, plain = assemble(urdf=urdf), assemble()
     visuals, before = ([visual for visual in visual_scene.read(each.scene, Parts(
         each.simulator)).visuals] for each in (built, plain))

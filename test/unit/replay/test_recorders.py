@@ -18,7 +18,6 @@ from img_recog.replay.figure import ReplayFigure
 from img_recog.replay.recorders import BagRecorder, PlotRecorder, TableRecorder
 from img_recog.simulation.physics.body import Motion
 from img_recog.simulation.physics.footprints import footprints
-from img_recog.simulation.sensors.odometry import OdometrySettings
 from img_recog_helpers import robots
 from img_recog_helpers.replaying import BLUE, RED, EventLog, frame
 
@@ -42,7 +41,8 @@ def replayed(start_ns=0, seen=PICTURE, world='turtlebot3_world', **odometry):
     settings, log = with_colors()(), EventLog()
     bag_file, csv_file, png_file = BagFile(), io.BytesIO(), io.BytesIO()
     plot = PlotRecorder(settings.colors)
-    simulator = robots.simulator(world, -2.0, -0.5, odometry=OdometrySettings(**odometry))
+    simulator = robots.simulator(world, -2.0, -0.5,
+                                 odometry=robots.burgers('odometry', **odometry))
     bag = BagRecorder(bag_file, settings.color_names, simulator.vehicles[0].settings.sensors)
     recognition = ColorRecognition(settings)
     frames = (frame(number, start_ns + number * PERIOD_NS, *colors)

@@ -43,7 +43,7 @@ def test_the_demos_robot_in_the_demos_world(caplog):
 
 
 def test_gazebo_tags_are_settings_and_the_others_are_warned_of(robot_file, caplog):
-    path = robot_file(robots.burger().replace('</robot>', DRIVE))
+    path = robot_file(robots.burger('').replace('</robot>', DRIVE))
     vehicle = build(path, x_pos=1.0).vehicles[0]
     assert vehicle.settings.drive.wheel_separation == 0.3
     assert vehicle.robot.motion().position[0] == pytest.approx(1.0)
@@ -73,7 +73,7 @@ def test_the_burger_has_a_camera_at_its_mount():
 
 
 def test_the_first_camera_of_the_tags_is_used():
-    built = assemble(urdf=burger().replace(
+    built = assemble(urdf=burger('').replace(
         '</robot>', TAG.format('base_scan', 64) + TAG.format('camera_link', 80) + '</robot>'))
     settings = scenario.camera_settings(built)
     assert (settings.camera_frame, settings.camera_width, settings.camera_rate) == (

@@ -4,7 +4,6 @@ import re
 import pybullet
 import pytest
 
-from img_recog.simulation.sensors.laser_scanner import ScanSettings
 from img_recog.simulation.sensors.odometry import OdometrySettings
 from img_recog.simulation.settings import RobotSettings
 from img_recog_helpers.refusals import refusal
@@ -15,13 +14,15 @@ TAGS = '''<gazebo><plugin name="drive" filename="libgazebo_ros_diff_drive.so">
   <leftJoint>wheel_left_joint</leftJoint><rightJoint>wheel_right_joint</rightJoint>
   <wheelSeparation>0.3</wheelSeparation><updateRate>50</updateRate></plugin></gazebo>
   <gazebo><plugin name="lamp" filename="liblamp.so"/></gazebo></robot>'''
+UNIT = ('<gazebo><plugin name="i" filename="libgazebo_ros_imu.so"><bodyName>torso</bodyName>'
+        '</plugin></gazebo>')
 MESH = ('<link name="cover"><visual><geometry><mesh filename="package://lost/x.stl"/></geometry>'
         '</visual></link><joint name="cover_joint" type="fixed"><parent link="base_link"/>'
         '<child link="cover"/></joint></robot>')
 
 
 def test_robot_with_its_tags_and_warnings():
-    robot = read(burger().replace('</robot>', TAGS).replace('</robot>', MESH))
+    robot = read(burger('').replace('</robot>', TAGS).replace('</robot>', MESH))
     assert (robot.source, robot.model.name) == ('robot.urdf', 'turtlebot3_burger')
     assert robot.tag_values == {'left_joint': 'wheel_left_joint',
                                 'right_joint': 'wheel_right_joint',
@@ -40,7 +41,7 @@ def test_tags_of_links_that_are_not_there_are_not_used():
     loose = ('<link name="loose"/><joint name="loose_joint" type="continuous"><child '
              'link="loose"/><parent link="base_link"/></joint><gazebo reference="loose_joint"/>')
     tags = ''.join(sensor.format(name) for name in ('camera_link', 'lost', 'loose', 'lost'))
-    robot = read(burger().replace('</robot>', loose + tags + '</robot>'))
+    robot = read(burger('').replace('</robot>', loose + tags + '</robot>'))
     assert [camera.camera_frame for camera in robot.cameras] == ['camera_link']
     assert robot.warnings[0].startswith('robot.urdf: link loose can move (joint loose_joint) but')
     assert robot.warnings[1:] == (
@@ -53,7 +54,7 @@ def test_tags_of_links_that_are_not_there_are_not_used():
      '</visual>', 'rgba')])
 def test_a_visual_that_cannot_be_drawn_is_refused(visual, words):
     root = '<link name="base_footprint"/>'
-    text = refusal(read, burger().replace(
+    text = refusal(read, burger('').replace(
         root, '<link name="base_footprint">{}</link>'.format(visual)))
     assert text.startswith('cannot use the robot in robot.urdf: ') and words in text
 
@@ -78,14 +79,12 @@ def test_where_the_odometry_is_zero(odometry, origin):
 
 
 def test_default_settings_are_those_of_tags_and_else_the_defaults():
-    plain = read(burger()).settings
-    assert plain == RobotSettings(sensors=plain.sensors)
-    assert plain.sensors['scan'] == ScanSettings()
-    settings = read(burger().replace('</robot>', TAGS)).settings
+    assert read(burger('')).settings == RobotSettings(sensors={})
+    settings = read(burger('').replace('</robot>', TAGS)).settings
     assert settings.drive == burgers_drive(wheel_separation=0.3, wheel_torque=5.0,
                                            wheel_acceleration=0.0, drive_period_s=0.02)
     assert settings.sensors['odometry'].odometry_period_s == pytest.approx(0.02)
-    assert settings.sensors['scan'] == ScanSettings()
+    assert set(settings.sensors) == {'odometry', 'joint_states'}
 
 
 def test_simulator_and_scene_of_the_world_and_the_robot():
@@ -99,11 +98,9 @@ def test_simulator_and_scene_of_the_world_and_the_robot():
 
 
 def test_sensors_without_a_link_are_warned_of_unless_unused():
-    urdf, unused = burger().replace('imu_link', 'a_link').replace('base_scan', 'b_link'), (
-        'imu', 'scan')
+    urdf, unused = burger(UNIT), ('imu', 'scan')
     assert assemble(urdf=urdf).warnings == (
-        'turtlebot3_burger runs without the sensor imu: no link imu_link',
-        'turtlebot3_burger runs without the sensor scan: no link base_scan')
+        'turtlebot3_burger runs without the sensor imu: no link torso',)
     assert assemble(urdf=urdf, unused_sensors=unused).warnings == ()
     # those that have their links are disabled
     readings = assemble(unused_sensors=unused).simulator.advance(400)
@@ -122,7 +119,7 @@ def test_warnings_of_the_world_file_come_first(tmp_path):
     path = tmp_path / 'hall.world'
     path.write_text('<sdf version="1.6"><world name="w"><include><uri>model://table</uri>'
                     '</include><model name="m"><link name="l"/></model></world></sdf>')
-    warnings = assemble(str(path), urdf=burger().replace('imu_link', 'a_link'),
+    warnings = assemble(str(path), urdf=burger(UNIT),
                         allow_partial=True).warnings
     assert len(warnings) == 3 and 'model://table' in warnings[0] and 'imu' in warnings[1]
 
@@ -139,7 +136,7 @@ def test_warns_of_what_was_lifted_out_of_the_floor(tmp_path):
     ('-1', 'wheel_separation: got -1.0, allowed is'),
     ('0.3</robot>', 'not XML')])
 def test_text_that_cannot_be_used_is_refused_with_its_source(value, words):
-    text = burger().replace('</robot>', TAGS.replace('0.3', value))
+    text = burger('').replace('</robot>', TAGS.replace('0.3', value))
     assert refusal(read, text).startswith(
         'cannot use the robot in robot.urdf: ' + words)
 

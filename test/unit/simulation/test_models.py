@@ -9,9 +9,8 @@ from img_recog.errors import SimulationError
 from img_recog.formats import model_file
 from img_recog.simulation.models import Models, State
 from img_recog.simulation.pictures.visual_scene import Parts
-from img_recog.simulation.sensors.imu import ImuSettings
 from img_recog.simulation.sensors.odometry import OdometrySettings
-from img_recog_helpers.robots import simulator
+from img_recog_helpers.robots import burgers, simulator
 from img_recog_helpers.sdf import BUILT_IN
 
 ROBOT = 'turtlebot3_burger'
@@ -20,7 +19,7 @@ LEFT = (0.0, 0.0, math.sqrt(0.5), math.sqrt(0.5))       # a quarter turn
 REST = (0.0, 0.0, 0.0)
 GOOD = State(REST, UPRIGHT, REST, REST)
 NAN, INF = float('nan'), float('inf')
-QUIET = ImuSettings(gyro_noise=0.0, accel_noise=0.0)
+QUIET = burgers('imu', gyro_noise=0.0, accel_noise=0.0)
 CRATES = '<sdf version="1.6"><world name="w">' + BUILT_IN + '{}</world></sdf>'
 CRATE = """<model name="{}"><pose>{}</pose><static>{}</static><link name="l"><inertial>
   <mass>2</mass><inertia><ixx>0.02</ixx><iyy>0.02</iyy><izz>0.02</izz><ixy>0</ixy>

@@ -8,9 +8,8 @@ import pytest
 from img_recog.errors import SimulationError
 from img_recog.formats import world_file
 from img_recog.simulation import assembly
-from img_recog.simulation.sensors.laser_scanner import ScanSettings
 from img_recog.simulation.settings import PhysicsSettings
-from img_recog_helpers.robots import WORLDS, burger, read
+from img_recog_helpers.robots import WORLDS, burger, burgers, read
 from img_recog_helpers.robots import settings_of as settings
 
 COMMANDS = ((0.2, 0.0), (10.0, 0.4), (-10.0, 0.0), (0.0, 2.0))
@@ -81,7 +80,7 @@ def test_two_that_meet_see_each_other_in_their_scans(mesh, tmp_path):
             '<sdf version="1.6"><model name="m"><static>true</static><link name="l"><collision '
             'name="c"><geometry><mesh><uri>{}</uri></mesh></geometry></collision></link></model>'
             '</sdf>'.format(tmp_path / 'a.obj'))
-    exact = ScanSettings(scan_noise=0.0)
+    exact = burgers('scan', scan_noise=0.0)
     # the scanner is 0.032 m behind the root link; it is a cylinder of radius 0.055 m, whose axis
     # is 0.015 m before the point where its rays begin
     found = scans(several([(0.0, 0.0, 0.0), (1.0, 0.0, math.pi), (0.0, 2.0, 0.0)], world,
@@ -96,8 +95,8 @@ def test_two_that_meet_see_each_other_in_their_scans(mesh, tmp_path):
 def test_scanners_of_different_numbers_of_rays_are_read_together():
     sim = several([], 'empty')
     for name, x, samples in (('a', 0.0, 360), ('b', 1.0, 720), ('c', -1.0, 360)):
-        assembly.add_robot(sim, spec(name, x, 0.0, scan=ScanSettings(
-            scan_samples=samples, scan_noise=0.0)))
+        assembly.add_robot(sim, spec(name, x, 0.0, scan=burgers(
+            'scan', scan_samples=samples, scan_noise=0.0)))
     found = scans(sim)
     assert [len(found[name]) for name in 'abc'] == [360, 720, 360]
     assert found['a'][0] == pytest.approx(0.96, abs=0.004)
@@ -194,10 +193,10 @@ def test_a_robot_that_fails_leaves_nothing():
     sim = several([PLACES[0]])
     count, revision = pybullet.getNumBodies(
         physicsClientId=sim.world.physics_client_id), sim.world.revision
-    for urdf, scan in ((burger().replace('wheel_left_joint', 'axle'), ScanSettings()),
-                       (burger(), ScanSettings(scan_frame='lidar'))):
+    for urdf, nearest in ((burger('').replace('wheel_left_joint', 'axle'), 0.1), (burger(), 4.0)):
         with pytest.raises(SimulationError, match='cannot use the robot in b: '):
-            assembly.add_robot(sim, spec('b', 1.0, 1.0, urdf=urdf, scan=scan))
+            assembly.add_robot(sim, spec('b', 1.0, 1.0, urdf=urdf,
+                                         scan=burgers('scan', scan_range_min=nearest)))
     assert pybullet.getNumBodies(physicsClientId=sim.world.physics_client_id) == count
     assert len(sim.vehicles) == 1 and sim.world.revision == revision
 
@@ -218,7 +217,8 @@ def test_a_robot_that_is_removed_is_gone_and_the_others_go_on():
 
 
 def test_the_scan_shows_a_robot_that_replaced_another_with_the_same_id():
-    sim = several([(0.0, 0.0, 0.0), (1.0, 0.0, 0.0)], 'empty', scan=ScanSettings(scan_noise=0.0))
+    sim = several([(0.0, 0.0, 0.0), (1.0, 0.0, 0.0)], 'empty',
+                  scan=burgers('scan', scan_noise=0.0))
     before = scans(sim)['tb3_0'][0]
     old, revision = sim.vehicles[1].robot.body_id, sim.world.revision
     sim.remove(sim.vehicles[1])

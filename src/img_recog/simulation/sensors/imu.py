@@ -6,16 +6,15 @@ import numpy as np
 
 from img_recog.formats import noises
 from img_recog.formats.gazebo_tags import (DEVIATION, EACH_STEP, NAME, POSITIVE, RATE, TOPIC,
-                                           Reader, Row, Tags, Values)
+                                           Reader, Row, Tags)
 from img_recog.formats.noises import Noise
 from img_recog.rotations import Quaternion, into_frame
-from img_recog.settings import Settings, above, at_least, not_empty, setting
+from img_recog.settings import Settings, above, any_value, at_least, not_empty, setting
 from img_recog.simulation.physics.body import Vector, velocity_at
 from img_recog.simulation.sensors.sensor import Mount, Sensor
 
 _NOISE_ROWS = 1000          # drawn at a time
 _AXES = 6                   # of angular velocity and acceleration
-_QUIET: Values = {'gyro_noise': 0.0, 'accel_noise': 0.0}
 
 # of libgazebo_ros_imu and _imu_sensor of gazebo_plugins, of libhector_gazebo_ros_imu, and of
 # Gazebo's own imu sensors, whose <noise> only _imu_sensor gets
@@ -31,8 +30,8 @@ TAGS = Tags(('gazebo_ros_imu',), (
     Row('accel_noise', DEVIATION, 'plugin', 'accelGaussianNoise'),
     Row('imu_topic', TOPIC, 'plugin', 'topicName'),
     Row('imu_period_s', RATE, 'plugin', 'updateRate', 'updateRateHZ')),
-    sensors=('imu',), frame='imu_frame', bare={**_QUIET, 'imu_period_s': EACH_STEP},
-    defaults={'gazebo_ros_imu': {**_QUIET, 'imu_period_s': EACH_STEP, 'imu_gravity': False,
+    sensors=('imu',), frame='imu_frame', bare={'imu_period_s': EACH_STEP},
+    defaults={'gazebo_ros_imu': {'imu_period_s': EACH_STEP, 'imu_gravity': False,
                                  'imu_topic': 'default_imu'},
               'gazebo_ros_imu_sensor': {'imu_period_s': 1.0, 'imu_gravity': True,
                                         'imu_topic': 'imu'},
@@ -43,14 +42,15 @@ TAGS = Tags(('gazebo_ros_imu',), (
 class ImuSettings(Settings):
     """The IMU; standard deviations of its noise in rad/s and m/s2.
 
-    imu_period_s: a multiple of the physics step, in simulated s. imu_gravity: whether the linear
-    acceleration is the specific force. The noise is in addition to that of SDF's <noise>.
+    imu_frame: without a <gazebo> tag, the link that carries it, '' for none. imu_period_s: a
+    multiple of the physics step, in simulated s. imu_gravity: whether the linear acceleration is
+    the specific force. The noise is in addition to that of SDF's <noise>.
     """
 
-    imu_frame: str = setting('imu_link', not_empty())
-    imu_period_s: float = setting(0.005, above(0))
-    gyro_noise: float = setting(2e-4, at_least(0))
-    accel_noise: float = setting(1.7e-2, at_least(0))
+    imu_frame: str = setting('', any_value())
+    imu_period_s: float = setting(0.001, above(0))
+    gyro_noise: float = setting(0.0, at_least(0))
+    accel_noise: float = setting(0.0, at_least(0))
     imu_gravity: bool = setting(True)
     imu_topic: str = setting('imu', not_empty())
 

@@ -21,7 +21,7 @@ class JointStateSettings(Settings):
     names of joints with commas, '' for all that move; those have efforts, too.
     """
 
-    joint_states_period_s: float = setting(0.033, above(0))
+    joint_states_period_s: float = setting(0.01, above(0))
     joint_states_joints: str = setting('', any_value())
 
     @property

@@ -1,13 +1,13 @@
-"""A laser scanner, by default an LDS-01 like that of turtlebot3_gazebo."""
+"""A laser scanner; where its tags say nothing, it has the defaults of SDF."""
 import xml.etree.ElementTree as ElementTree
 from dataclasses import dataclass
-from typing import Optional, Sequence, Tuple
+from typing import Iterator, Optional, Tuple
 
 import numpy as np
 
 from img_recog.errors import SimulationError
 from img_recog.formats import noises
-from img_recog.formats.gazebo_tags import NAME, NUMBER, TOPIC, Reader, Row, Tags
+from img_recog.formats.gazebo_tags import EACH_STEP, NAME, NUMBER, TOPIC, Reader, Row, Tags
 from img_recog.formats.noises import Noise
 from img_recog.formats.texts import name_of, text_of
 from img_recog.settings import Settings, above, any_value, at_least, between, not_empty, setting
@@ -16,10 +16,10 @@ from img_recog.simulation.sensors.rays import RaySensor
 from img_recog.simulation.sensors.sensor import Mount
 
 
-def _other_rows(sensor: ElementTree.Element) -> Sequence[str]:
-    rows = text_of(sensor, 'ray/scan/vertical/samples')
-    return [] if rows in ('', '1') else [
-        'rows of rays of sensor {} above and below the middle one'.format(name_of(sensor))]
+def _not_simulated(sensor: ElementTree.Element) -> Iterator[str]:
+    if text_of(sensor, 'ray/scan/vertical/samples') not in ('', '1'):
+        yield 'rows of rays of sensor {} above and below the middle one'.format(name_of(sensor))
+    yield from rays.sees_nothing(sensor)
 
 
 def _rest(element: ElementTree.Element, name: str) -> Optional[Tuple[Noise]]:
@@ -39,32 +39,34 @@ TAGS = Tags(('gazebo_ros_laser', 'gazebo_ros_gpu_laser'), (
     Row('scan_frame', NAME, 'plugin', 'frameName'),
     Row('scan_topic', TOPIC, 'plugin', 'topicName')),
     sensors=('ray', 'gpu_ray'), frame='scan_frame', needs_sensor=True,
-    defaults={'laser': {'scan_noise': 0.0}}, bare={'scan_noise': 0.0}, not_simulated=_other_rows)
+    defaults={'laser': {'scan_period_s': EACH_STEP}}, bare={'scan_period_s': EACH_STEP},
+    not_simulated=_not_simulated)
 
 
 @dataclass(frozen=True)
 class ScanSettings(Settings):
     """The laser scanner.
 
-    Angles in rad about z of `scan_frame`, or of the place that a <gazebo> tag gives, from its x
-    axis; there is a ray at both ends. scan_resolution: ranges for each ray, interpolated between
+    scan_frame: without a <gazebo> tag, the link that carries a scanner, '' for none. Angles in rad
+    about z of that, or of the place that a <gazebo> tag gives, from its x axis; there is a ray at
+    both ends. scan_resolution: ranges for each ray, interpolated between
     them. scan_rows: of rays, from the angle scan_pitch_min upward to scan_pitch_max; the middle
     one is published. Ranges and the standard deviation of their noise in m. scan_period_s: a
     multiple of the physics step, in simulated s.
     """
 
-    scan_frame: str = setting('base_scan', not_empty())
-    scan_period_s: float = setting(0.2, above(0))
-    scan_samples: int = setting(360, between(1, 100000))
+    scan_frame: str = setting('', any_value())
+    scan_period_s: float = setting(0.001, above(0))
+    scan_samples: int = setting(640, between(1, 100000))
     scan_resolution: float = setting(1.0, between(0.001, 100))
     scan_rows: int = setting(1, between(1, 100000))
     scan_pitch_min: float = setting(0.0, any_value())
     scan_pitch_max: float = setting(0.0, any_value())
     scan_angle_min: float = setting(0.0, any_value())
-    scan_angle_max: float = setting(6.28319, any_value())
-    scan_range_min: float = setting(0.120, at_least(0))
-    scan_range_max: float = setting(3.5, above(0))
-    scan_noise: float = setting(0.01, at_least(0))
+    scan_angle_max: float = setting(0.0, any_value())
+    scan_range_min: float = setting(0.0, at_least(0))
+    scan_range_max: float = setting(0.0, at_least(0))
+    scan_noise: float = setting(0.0, at_least(0))
     scan_topic: str = setting('scan', not_empty())
 
     def angles(self) -> np.ndarray:
@@ -95,9 +97,9 @@ class LaserScanner(RaySensor):
         """Mount the scanner on a link of the robot.
 
         Raises SimulationError when the robot has no such link, or the shortest range is not less
-        than the longest.
+        than the longest, unless that is 0, with which it sees nothing.
         """
-        if not settings.scan_range_min < settings.scan_range_max:
+        if settings.scan_range_max and not settings.scan_range_min < settings.scan_range_max:
             raise SimulationError('scan_range_min: got {:g} m, expected less than scan_range_max, '
                                   '{:g} m'.format(settings.scan_range_min,
                                                   settings.scan_range_max))

@@ -26,15 +26,14 @@ class OdometrySettings(Settings):
     what the drive counts. odom_frame, base_frame: frame_id and child_frame_id; an empty
     base_frame is the root link, and one that is no link is a name for that. publish_odom_tf:
     whether the pose is published on tf as well. odometry_period_s: a multiple of the physics
-    step, in simulated s. 30 Hz does not divide into steps of 1 ms: 33 ms is the nearest period
-    that does.
+    step, in simulated s.
     """
 
     odometry_source: str = setting(WORLD, one_of(ENCODER, WORLD))
     odom_frame: str = setting('odom', not_empty())
     base_frame: str = setting('', any_value())
     publish_odom_tf: bool = setting(True)
-    odometry_period_s: float = setting(0.033, above(0))
+    odometry_period_s: float = setting(0.01, above(0))
     odometry_topic: str = setting('odom', not_empty())
 
 

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from img_recog.errors import SimulationError
-from img_recog.formats.gazebo_tags import NAME, NUMBER, RATE, TOPIC, Row, Tags, choice
+from img_recog.formats.gazebo_tags import EACH_STEP, NAME, NUMBER, RATE, TOPIC, Row, Tags, choice
 from img_recog.settings import (Settings, above, any_value, at_least, between, not_empty, one_of,
                                 setting)
 from img_recog.simulation.sensors import rays
@@ -25,9 +25,11 @@ TAGS = Tags(('gazebo_ros_range', 'hector_gazebo_ros_sonar'), (
         INFRARED: INFRARED, ULTRASOUND: ULTRASOUND}), 'plugin', 'radiation'),
     Row('range_frame', NAME, 'plugin', 'frameName', 'frameId'),
     Row('range_topic', TOPIC, 'plugin', 'topicName')),
-    sensors=('ray',), frame='range_frame', needs_sensor=True, defaults={
-        'hector': {'range_radiation': ULTRASOUND, 'range_field_of_view': 0.0,
-                   'range_topic': 'sonar'}})
+    sensors=('ray',), frame='range_frame', needs_sensor=True,
+    not_simulated=rays.sees_nothing, defaults={
+        'range': {'range_period_s': EACH_STEP},
+        'hector': {'range_period_s': EACH_STEP, 'range_radiation': ULTRASOUND,
+                   'range_field_of_view': 0.0, 'range_topic': 'sonar'}})
 
 
 @dataclass(frozen=True)
@@ -41,15 +43,15 @@ class RangeSettings(Settings):
     """
 
     range_frame: str = setting('', any_value())
-    range_period_s: float = setting(0.1, above(0))
-    range_samples: int = setting(1, between(1, 100000))
+    range_period_s: float = setting(0.001, above(0))
+    range_samples: int = setting(640, between(1, 100000))
     range_angle_min: float = setting(0.0, any_value())
     range_angle_max: float = setting(0.0, any_value())
     range_rows: int = setting(1, between(1, 100000))
     range_pitch_min: float = setting(0.0, any_value())
     range_pitch_max: float = setting(0.0, any_value())
     range_min: float = setting(0.0, at_least(0))
-    range_max: float = setting(1.0, above(0))
+    range_max: float = setting(0.0, at_least(0))
     range_noise: float = setting(0.0, at_least(0))
     range_field_of_view: float = setting(0.05, at_least(0))
     range_radiation: str = setting(INFRARED, one_of(INFRARED, ULTRASOUND))
@@ -67,10 +69,10 @@ class RangeSensor(RaySensor):
     def __init__(self, mount: Mount, settings: RangeSettings):
         """Mount the sensor.
 
-        Raises SimulationError when the shortest range is not less than the longest, or the robot
-        has no link for it.
+        Raises SimulationError when the shortest range is not less than the longest, unless that is
+        0, with which it sees nothing, or the robot has no link for it.
         """
-        if not settings.range_min < settings.range_max:
+        if settings.range_max and not settings.range_min < settings.range_max:
             raise SimulationError('range_min: got {:g} m, expected less than range_max, {:g} m'
                                   .format(settings.range_min, settings.range_max))
         super().__init__(

@@ -1,5 +1,6 @@
 """Sensors that cast rays into the world; those of all robots are read together."""
 import abc
+import xml.etree.ElementTree as ElementTree
 from typing import Any, Dict, List, Sequence, Tuple
 
 import numpy as np
@@ -7,7 +8,8 @@ import pybullet
 
 from img_recog import rotations
 from img_recog.errors import SimulationError
-from img_recog.formats.gazebo_tags import INTEGER, NUMBER, RAY_RATE, Row
+from img_recog.formats.gazebo_tags import INTEGER, NUMBER, RATE, Row
+from img_recog.formats.texts import name_of, text_of
 from img_recog.simulation.physics.solids import Bundles
 from img_recog.simulation.sensors.sensor import Mount, Sensor
 
@@ -23,13 +25,20 @@ def fan_rows(prefix: str) -> Tuple[Row, ...]:
     """
     scan = 'ray/scan/'
     return tuple(Row(prefix + setting, reader, 'sensor', path) for setting, reader, path in (
-        ('_period_s', RAY_RATE, 'update_rate'),
+        ('_period_s', RATE, 'update_rate'),
         ('_samples', INTEGER, scan + 'horizontal/samples'),
         ('_angle_min', NUMBER, scan + 'horizontal/min_angle'),
         ('_angle_max', NUMBER, scan + 'horizontal/max_angle'),
         ('_rows', INTEGER, scan + 'vertical/samples'),
         ('_pitch_min', NUMBER, scan + 'vertical/min_angle'),
         ('_pitch_max', NUMBER, scan + 'vertical/max_angle')))
+
+
+def sees_nothing(sensor: ElementTree.Element) -> Sequence[str]:
+    """Return what is said of a sensor without the distance to which it sees."""
+    return [] if text_of(sensor, 'ray/range/max') else [
+        'what sensor {} could see, because it has no <max> of its <range>, which is 0 then'
+        .format(name_of(sensor))]
 
 
 class RaySensor(Sensor):

@@ -64,8 +64,8 @@ class SensorKind(NamedTuple):
 
     name: of the sensor, with which the names of its settings begin. settings: their class, with
     the field NAME_period_s, or NAME_rate in Hz; with NAME_topic, if the topic is not always NAME,
-    or several others; with NAME_frame, if
-    a robot without the link of the default goes without the sensor. Other fields that end in
+    or several others; with NAME_frame, the link that carries it: a robot with no tag of it has it
+    if that is not empty, and has such a link. Other fields that end in
     _topic or _frame are names of topics and frames too; an empty frame is the root link.
     make: make(mount, settings) returns a Sensor. tags: where <gazebo> tags have its settings.
     msg_type: what is published. to_msg: to_msg(reading, settings, stamp, out) returns the message;
@@ -142,7 +142,9 @@ class RobotSensor(NamedTuple):
 
 
 def sensors_of(kinds: Sequence[SensorKind], tags: Sequence[SensorTag] = ()) -> List[RobotSensor]:
-    """Return the sensors of a robot, in the order of their kinds; tags: in its <gazebo> tags."""
+    """Return the sensors that a robot can have, in the order of their kinds; tags: in its <gazebo>
+    tags. A kind without a tag has one for which settings are looked for elsewhere.
+    """
     found = []
     for kind in kinds:
         own = [tag for tag in tags if tag.tags is kind.tags]

@@ -24,7 +24,7 @@ FIRST = ''.join('<gazebo reference="wheel_{}_link"><fdir1>1 0 0</fdir1></gazebo>
     (FIRST, [(-10, 0, 2), (0, 0, 4)], [1.2496, 2.2980]),
     ('', [(-10, 0, 2), (0, 0, 4)], [1.9072, 2.0725])])
 def test_ways(tags, parts, figures):
-    simulator = assembled(burger().replace('</robot>', DRIVE + tags + '</robot>')).simulator
+    simulator = assembled(burger('').replace('</robot>', DRIVE + tags + '</robot>')).simulator
     vehicle = simulator.vehicles[0]
     simulator.advance(1000)
     for (forward, turn, seconds), figure in zip(parts, figures):

@@ -185,14 +185,9 @@ def given(**parameters):
 def test_without_a_plugin_a_robot_drives_by_parameters_or_stands(parameters, speed):
     simulator = given(**parameters)
     assert velocity(simulator, 0.4) == pytest.approx((speed, 0.0, 0.0), abs=0.004)
-    assert odometry(simulator, 100)[-1].linear[0] == pytest.approx(speed, abs=0.01)
+    measured = [motion.linear[0] for motion in odometry(simulator, 100)[-1:]]
+    assert measured == ([pytest.approx(speed, abs=0.01)] if speed else [])
     drive = simulator.vehicles[0].settings.drive
     if drive.left_joints:       # what nothing gives is measured, or that of the plugin
         assert (drive.wheel_separation, drive.wheel_diameter, drive.wheel_torque,
                 drive.wheel_acceleration) == (0.4, 0.2, 5.0, 0.0)
-
-
-def test_the_encoders_of_a_robot_without_a_drive_count_nothing():
-    simulator = given(odometry_source='encoder')
-    simulator.vehicles[0].command(0.4, 0.0)
-    assert odometry(simulator, 500)[-1].position.tolist() == [0.0, 0.0, 0.0]

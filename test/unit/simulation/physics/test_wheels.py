@@ -21,7 +21,7 @@ TAG = ('<gazebo><plugin name="d" filename="libgazebo_ros_diff_drive.so"><leftJoi
 
 
 def changed(*pairs):
-    urdf = burger()
+    urdf = burger('')
     for old, new in pairs:
         assert old in urdf, old
         urdf = urdf.replace(old, new)

@@ -32,7 +32,7 @@ KINDS = tuple(kind._replace(missing='') for kind in SENSORS)
 def simulator(tmp_path):
     wall = tmp_path / 'wall.sdf'
     wall.write_text(WALL)
-    urdf = robots.burger().replace(
+    urdf = robots.burger('').replace(
         '</robot>', BAR.format('bar', 0.11) + BAR.format('back', -0.2) + TAG + '</robot>')
     robot = read_robot(urdf, 0.001, lambda uri: None, 'robot', KINDS)
     return assembly.build(PhysicsSettings(world=str(wall)), world_file.read(str(wall), {}), [
@@ -74,7 +74,7 @@ def test_its_shapes_move_with_the_link_that_it_is_fixed_to(simulator):
 def test_without_its_message_a_bumper_is_reported_with_the_reason():
     kinds = tuple(kind._replace(missing='no x' if kind.name == 'contact' else '')
                   for kind in SENSORS)
-    robot = read_robot(robots.burger().replace(
+    robot = read_robot(robots.burger('').replace(
         '</robot>', BAR.format('bar', 0.11) + TAG + '</robot>'), 0.001, lambda uri: None,
         'robot', kinds)
     assert 'sensor contact (no x)' in robot.not_simulated

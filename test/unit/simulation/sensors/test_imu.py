@@ -2,11 +2,9 @@
 import numpy as np
 import pytest
 
-from img_recog.errors import SimulationError
-from img_recog.simulation.sensors.imu import ImuSettings
-from img_recog_helpers.robots import simulator
+from img_recog_helpers.robots import burgers, simulator
 
-QUIET = ImuSettings(gyro_noise=0.0, accel_noise=0.0)
+QUIET = burgers('imu', gyro_noise=0.0, accel_noise=0.0)
 
 
 def measure(sim, steps):
@@ -56,8 +54,3 @@ def test_a_reset_is_not_an_acceleration():
     sim.reset_world()
     first = measure(sim, 5)[0]
     assert np.linalg.norm(np.subtract(first.linear_acceleration, [0, 0, 9.8])) < 0.5
-
-
-def test_refuses_a_frame_that_is_not_there():
-    with pytest.raises(SimulationError, match=': imu_frame: the robot has no link gyro'):
-        simulator(imu=ImuSettings(imu_frame='gyro'))
