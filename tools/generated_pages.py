@@ -119,7 +119,7 @@ def _elements() -> Iterator[str]:
 
 
 def _words(text: str) -> str:
-    return ' '.join('`{}`'.format(word) for word in text.split())
+    return ' '.join('`{}`'.format(word.rstrip('?')) for word in text.split())
 
 
 def parameters(node: Node) -> Dict[str, str]:

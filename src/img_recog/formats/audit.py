@@ -4,7 +4,7 @@ import math
 import xml.etree.ElementTree as ElementTree
 from typing import Dict, Iterable, Iterator, List, Mapping, NamedTuple, Optional, Sequence, Tuple
 
-from img_recog.formats.elements import (BOOLEANS, MODEL_PLUGINS, NO_EFFECT, NOT_SIMULATED, SDF,
+from img_recog.formats.elements import (ATTRIBUTES, MODEL_PLUGINS, NO_EFFECT, NOT_SIMULATED, SDF,
                                         SIMULATED, URDF, Row)
 
 NOT_KNOWN, NOT_USED, NOT_UNIQUE = 'not known', 'not used', 'not unique'
@@ -13,6 +13,7 @@ _UNIQUE = ('model', 'link', 'joint', 'visual', 'collision')     # by their names
 _NAMED = ('model', 'link', 'joint')
 _TOLD = ('plugin', 'sensor', 'light', 'actor')    # which one it is
 _WORDS = {'true': True, '1': True, 'false': False, '0': False}
+_BOOLEAN = '?'             # after a name in the table
 _MAX_PLACES = 3             # that are named
 _FILE = 'the file'          # the place of what is in no element with a name
 
@@ -66,10 +67,13 @@ _Found = Tuple[str, str, str]
 
 
 def _found(element: ElementTree.Element, path: Tuple[str, ...], place: str) -> Iterator[_Found]:
-    row = _row(path)
+    row = row_of(path)
     if row.anything:
         return
     fates = _fates(row)
+    for name in element.keys():
+        if name not in ATTRIBUTES[path[0]] and not name.startswith('{'):
+            yield NOT_KNOWN, 'attribute {} of <{}>'.format(name, element.tag), place
     yield from _names(element, place)
     for child in element:
         # neither a comment nor of another format, like sdformat's <gz:...> and <drake:...>
@@ -84,15 +88,13 @@ def _found(element: ElementTree.Element, path: Tuple[str, ...], place: str) -> I
                 default is None or not _changes_nothing(element, child, default)):
             yield state, _label(child) if tag in _TOLD else '<{}>'.format(tag), place
         elif state == SIMULATED:
-            if tag in BOOLEANS or '/'.join(inner[-2:]) in BOOLEANS:
+            if default == _BOOLEAN:
                 yield from _boolean(child, place)
-            if tag == 'pose':
-                yield from _pose(child, place)
             yield from _found(child, inner, _below(place, child))
 
 
 @functools.lru_cache(maxsize=None)
-def _row(path: Tuple[str, ...]) -> Row:
+def row_of(path: Tuple[str, ...]) -> Row:
     """Return the row of the longest end of a path, an empty one without; path: from the root."""
     ends = ('/'.join(path[start:]) for start in range(len(path)))
     return next((_FORMATS[path[0]][end] for end in ends if end in _FORMATS[path[0]]), Row())
@@ -101,13 +103,13 @@ def _row(path: Tuple[str, ...]) -> Row:
 @functools.lru_cache(maxsize=None)
 def _fates(row: Row) -> Dict[str, Tuple[str, Optional[str]]]:
     """Return what becomes of each child, what is drawn as simulated, and the value that changes
-    nothing, if there is one.
+    nothing, if there is one, or _BOOLEAN.
     """
     found: Dict[str, Tuple[str, Optional[str]]] = {}
     for state, words in ((SIMULATED, row.simulated), (SIMULATED, row.drawn),
                          (NO_EFFECT, row.no_effect), (NOT_SIMULATED, row.not_simulated)):
         for word in words.split():
-            name, has_default, default = word.partition('=')
+            name, has_default, default = word.replace(_BOOLEAN, '=' + _BOOLEAN).partition('=')
             found[name] = state, default if has_default else None
     return found
 
@@ -141,13 +143,6 @@ def _boolean(element: ElementTree.Element, place: str) -> Iterator[_Found]:
     if text.lower() not in _WORDS:
         yield NOT_KNOWN, '<{}>{}</{}>, which is neither true nor false,'.format(
             element.tag, text, element.tag), place
-
-
-def _pose(element: ElementTree.Element, place: str) -> Iterator[_Found]:
-    for name in element.keys():
-        # since 1.9, a pose is read with degrees and rotation_format, which are gone then
-        if name not in ('relative_to', 'frame'):
-            yield NOT_KNOWN, 'attribute {} of <pose>'.format(name), place
 
 
 def _names(element: ElementTree.Element, place: str) -> Iterator[_Found]:

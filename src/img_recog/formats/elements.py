@@ -2,7 +2,8 @@
 
 A row has the children of an element. Its key is the end of the path to that element:
 `friction/ode` counts more than `ode`. The words are names; after a name can stand a value that
-changes nothing, such as `kinematic=0`, and `mu2=<mu>` is the value of another child. An element
+changes nothing, such as `kinematic=0`, and `mu2=<mu>` is the value of another child; a question
+mark after one that is simulated means that its text is true, false, 1 or 0. An element
 without a row has no children; what is below one that is not simulated or of no effect is not
 looked at.
 doc/elements.md is made of this table.
@@ -37,7 +38,7 @@ _CAMERA = Row('horizontal_fov image clip noise distortion lens pose depth_camera
 
 # of sensors, which both formats have
 SENSORS: Dict[str, Row] = {
-    'sensor': Row('ray lidar camera imu contact update_rate pose topic plugin always_on sonar',
+    'sensor': Row('ray lidar camera imu contact update_rate pose topic plugin always_on? sonar',
                   no_effect='visualize',
                   not_simulated='gps navsat magnetometer altimeter air_pressure force_torque '
                                 'logical_camera rfid rfidtag transceiver'),
@@ -56,7 +57,7 @@ SENSORS: Dict[str, Row] = {
                         'dynamic_bias_stddev dynamic_bias_correlation_time',
                         why='images have none in Gazebo either'),
     'distortion': Row('k1 k2 k3 p1 p2 center'),
-    'lens': Row('type scale_to_hfov custom_function cutoff_angle env_texture_size',
+    'lens': Row('type scale_to_hfov? custom_function cutoff_angle env_texture_size',
                 not_simulated='intrinsics projection'),
     'custom_function': Row('c1 c2 c3 f fun'),
     'depth_camera': Row('output clip'), 'depth_camera/clip': Row('near far'),
@@ -96,13 +97,13 @@ SDF: Dict[str, Row] = {
     'state/model': Row('pose link', no_effect='scale', not_simulated='joint model'),
     'state/model/link': Row('pose', no_effect='acceleration wrench',
                             not_simulated='velocity=0,0,0,0,0,0', why='they follow'),
-    'model': Row('static pose link joint include model frame sensor self_collide',
+    'model': Row('static? pose link joint include model frame sensor self_collide?',
                  no_effect='allow_auto_disable enable_wind light',
                  not_simulated='gripper plugin', why='nothing falls asleep here, there is no '
                  'wind, and Gazebo draws the lights of links alone'),
-    'include': Row('uri name pose static', not_simulated='placement_frame plugin frame joint'),
+    'include': Row('uri name pose static?', not_simulated='placement_frame plugin frame joint'),
     'model/frame': Row('pose'), 'world/frame': Row('pose'),
-    'link': Row('pose inertial collision visual sensor gravity kinematic self_collide '
+    'link': Row('pose inertial collision visual sensor gravity? kinematic? self_collide? '
                 'velocity_decay', 'light', 'must_be_base_link enable_wind',
                 'projector audio_source audio_sink battery particle_emitter',
                 why='there is no wind'),
@@ -113,7 +114,7 @@ SDF: Dict[str, Row] = {
                      not_simulated='laser_retro=0', why=_CONTACTS),
     'surface': Row('friction contact bounce', not_simulated='soft_contact'),
     'bounce': Row('restitution_coefficient threshold'),
-    'surface/contact': Row('ode collide_bitmask collide_without_contact',
+    'surface/contact': Row('ode collide_bitmask collide_without_contact?',
                            no_effect='bullet poissons_ratio elastic_modulus '
                            'collide_without_contact_bitmask category_bitmask',
                            why='Gazebo does not use the other bitmasks either'),
@@ -124,14 +125,14 @@ SDF: Dict[str, Row] = {
     'visual': Row('', 'geometry pose material transparency',
                   'meta laser_retro cast_shadows',
                   'plugin visibility_flags', why='lasers see solids; ' + _SHADOWS),
-    'material': Row('', 'script ambient diffuse specular emissive lighting', 'render_order '
+    'material': Row('', 'script ambient diffuse specular emissive lighting?', 'render_order '
                     'double_sided shininess', 'shader pbr', why='Gazebo 11 does not use them'),
     'script': Row('', 'name uri'),
     'geometry': Row('box cylinder sphere plane mesh polyline heightmap', no_effect='empty',
                     not_simulated='image capsule ellipsoid'),
     'geometry/box': Row('size'), 'geometry/cylinder': Row('radius length'),
     'geometry/sphere': Row('radius'), 'geometry/plane': Row('size normal'),
-    'mesh': Row('uri scale submesh filename'), 'submesh': Row('name center'),
+    'mesh': Row('uri scale submesh filename'), 'submesh': Row('name center?'),
     'polyline': Row('point height'),
     'heightmap': Row('uri size pos sampling', 'texture', 'use_terrain_paging', 'blend',
                      why='terrain is loaded as a whole'),
@@ -139,9 +140,9 @@ SDF: Dict[str, Row] = {
     'joint': Row('parent child pose axis axis2 gearbox_ratio gearbox_reference_body thread_pitch',
                  no_effect='physics', not_simulated='sensor',
                  why='solved by PyBullet'),
-    'axis': Row('xyz limit use_parent_model_frame dynamics', no_effect='initial_position',
+    'axis': Row('xyz limit use_parent_model_frame? dynamics', no_effect='initial_position',
                 not_simulated='mimic', why='Gazebo does not use it either'),
-    'axis2': Row('xyz limit use_parent_model_frame dynamics', no_effect='initial_position',
+    'axis2': Row('xyz limit use_parent_model_frame? dynamics', no_effect='initial_position',
                  not_simulated='mimic', why='Gazebo does not use it either'),
     'dynamics': Row('damping friction spring_stiffness spring_reference'),
     'limit': Row('lower upper', no_effect='stiffness dissipation effort velocity',
@@ -154,8 +155,8 @@ SDF: Dict[str, Row] = {
 }
 
 # in a <gazebo> tag with a reference, which Gazebo copies into the link or joint
-_TAGS = Row('sensor visual collision plugin mu1 mu2 fdir1 material turnGravityOff selfCollide '
-            'self_collide dampingFactor springReference springStiffness kp kd maxVel', 'light',
+_TAGS = Row('sensor visual collision plugin mu1 mu2 fdir1 material turnGravityOff? selfCollide? '
+            'self_collide? dampingFactor springReference springStiffness kp kd maxVel', 'light',
             'minDepth maxContacts stopCfm stopErp fudgeFactor provideFeedback '
             'implicitSpringDamper cfmDamping disableFixedJointLumping preserveFixedJoint '
             'genTexCoord', 'static=0 gravity=1 laserRetro=0 velocity_decay=0 kinematic=0',
@@ -189,10 +190,11 @@ URDF: Dict[str, Row] = {
 MODEL_PLUGINS = ('gazebo_ros_diff_drive', 'gazebo_ros_skid_steer_drive', 'gazebo_ros_planar_move',
                  'force_based_move', 'gazebo_ros_kobuki', 'gazebo_ros_joint_state_publisher',
                  'gazebo_ros_imu')
-# elements whose text is true, false, 1 or 0
-BOOLEANS = frozenset((
-    'static', 'kinematic', 'self_collide', 'enable_wind', 'cast_shadows', 'allow_auto_disable',
-    'use_parent_model_frame', 'collide_without_contact', 'submesh/center', 'always_on',
-    'visualize',
-    'scale_to_hfov', 'shadows', 'grid', 'origin_visual', 'must_be_base_link', 'turnGravityOff',
-    'selfCollide', 'use_terrain_paging', 'lighting', 'link/gravity', 'gazebo/gravity'))
+# attributes; degrees and rotation_format of a <pose> are read since 1.9, and are gone then
+_OF_SDF = frozenset(('name', 'type', 'filename', 'version', 'world_name', 'frame', 'relative_to',
+                     'attached_to', 'expressed_in', 'placement_frame', 'canonical_link',
+                     'default', 'id', 'fullscreen'))
+ATTRIBUTES = {'sdf': _OF_SDF, 'robot': _OF_SDF.union((
+    'xyz', 'rpy', 'link', 'value', 'ixx', 'ixy', 'ixz', 'iyy', 'iyz', 'izz', 'reference', 'rgba',
+    'size', 'radius', 'length', 'scale', 'effort', 'velocity', 'damping', 'friction', 'lower',
+    'upper'))}

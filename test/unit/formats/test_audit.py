@@ -3,8 +3,10 @@ import xml.etree.ElementTree as ElementTree
 
 import pytest
 
-from img_recog.formats import elements
+from img_recog.checks import world_check
+from img_recog.formats import audit as audits, elements
 from img_recog.formats.audit import audit
+from img_recog_helpers.pages import tool
 
 MODEL = '<sdf version="1.6"><world name="w"><model name="m">{}</model></world></sdf>'
 LINK = MODEL.format('<link name="l">{}</link>')
@@ -20,6 +22,10 @@ def said(text):
     (LINK.format('<colision name="c"/>'), 'not known', '<colision> of model m link l'),
     (MODEL.format('<static>ture</static>'), 'not known',
      '<static>ture</static>, which is neither true nor false, of world w model m'),
+    (MODEL.replace('name="m"', 'nmae="x" name="m"').format(''), 'not known',
+     'attribute nmae of <model> of world w model m'),
+    (ROBOT.format('<inertial><origin xzy="0 0 1"/></inertial>', ''), 'not known',
+     'attribute xzy of <origin> of robot r link l'),
     (LINK.format('<projector/>'), 'not simulated', '<projector> of model m link l'),
     (LINK.format('<pose degres="1">0 0 0 0 0 0</pose>'), 'not known',
      'attribute degres of <pose> of model m link l'),
@@ -74,3 +80,28 @@ def test_each_element_is_in_one_field(table):
     for path, row in table.items():
         words = [word.partition('=')[0] for text in row[:4] for word in text.split()]
         assert sorted(set(words)) == sorted(words), path
+
+
+# doc/elements.md is the second place
+@pytest.mark.parametrize('row, rows', [
+    ({'simulated': 'wobble?'}, [('not known', '<wobble>2</wobble>, which is neither true nor '
+                                 'false,')]),
+    ({'simulated': 'wobble'}, []), ({'drawn': 'wobble'}, []), ({'no_effect': 'wobble'}, []),
+    ({'not_simulated': 'wobble=2'}, []), ({'not_simulated': 'wobble'}, [
+        ('not simulated', '<wobble>')])])
+def test_an_element_is_added_in_its_row_alone(monkeypatch, tmp_path, row, rows):
+    before = elements.SDF['link']
+    changed = before._replace(**{name: '{} {}'.format(getattr(before, name), words)
+                                 for name, words in row.items()})
+    monkeypatch.setitem(elements.SDF, 'link', changed)
+    audits.row_of.cache_clear()
+    path = tmp_path / 'w.sdf'
+    path.write_text(LINK.format('<wobble>2</wobble>'))
+    try:
+        found = world_check.check(str(path)).rows
+        assert [each[:3] for each in found if 'wobble' in each.what] == [
+            (state, what, 'model m link l') for state, what in rows]
+        page = tool('generated_pages').written()['doc/elements.md']
+        assert page.count('`wobble') == 1
+    finally:
+        audits.row_of.cache_clear()
