@@ -1,4 +1,4 @@
-"""Runs a function on many pieces of work; the results are in the order of the pieces.
+"""Runs functions on many pieces of work; the results are in the order of the pieces.
 
 A result depends on its piece alone, so the number of processes, and which of them run where,
 make no difference. Each result is a file of the work folder as soon as it is known: an
@@ -6,7 +6,7 @@ interrupted run goes on from there.
 """
 import contextlib
 import logging
-from typing import Any, Dict, Generator, Iterator, Mapping, NamedTuple, Sequence, Tuple
+from typing import Any, Dict, Generator, Iterator, NamedTuple, Optional, Sequence, Tuple
 
 from tqdm import tqdm
 
@@ -27,105 +27,120 @@ class Outcome(NamedTuple):
     problem: str = ''
 
 
-# Files of the same content have results of one name; a problem names the file that it is of.
-_Source = Tuple[str, Tuple[str, ...]]
+class Results:
+    """The results of pieces, in their order; each is read from its file when it is needed."""
 
+    def __init__(self, work: WorkFolder, pieces: Sequence[Piece], names: Dict[int, str],
+                 problems: Dict[int, str], keys: Dict[str, str]):
+        """names, problems: by the id of a piece; keys: those that have a problem in any stage."""
+        self._work, self._pieces, self._names = work, pieces, names
+        self._problems, self._keys = problems, keys
 
-def _source(piece: Piece, name: str) -> _Source:
-    return name, tuple(piece.files)
+    def __iter__(self) -> Iterator[Tuple[Piece, Any]]:
+        """Yield each piece with its result, without those of keys that have a problem."""
+        return ((piece, self._work.read(self._names[id(piece)])) for piece in self._pieces
+                if piece.key not in self._keys)
 
-
-class Outcomes:
-    """The outcomes of pieces, in their order; each is read from its file when it is needed."""
-
-    def __init__(self, work: WorkFolder, named: Sequence[Tuple[Piece, str]],
-                 problems: Mapping['_Source', str]):
-        """Take pieces with the names of their results, and the problems by `_source`."""
-        self._work, self._named, self._problems = work, named, problems
-
-    def problems(self) -> Iterator[Tuple[str, str]]:
-        """Yield the key and the problem of each piece that has one; no result is read."""
-        for piece, name in self._named:
-            problem = self._problems.get(_source(piece, name))
-            if problem is not None:
-                yield piece.key, problem
-
-    def remove(self) -> None:
-        """Remove the results."""
-        self._work.remove()
-
-    def __iter__(self) -> Iterator[Outcome]:
-        for piece, name in self._named:
-            problem = self._problems.get(_source(piece, name))
-            yield (Outcome(piece.key, self._work.read(name)) if problem is None
+    def outcomes(self) -> Iterator[Outcome]:
+        """Yield what has become of each piece."""
+        for piece in self._pieces:
+            problem = self._problems.get(id(piece))
+            yield (Outcome(piece.key, self._work.read(self._names[id(piece)])) if problem is None
                    else Outcome(piece.key, problem=problem))
 
 
 class Engine:
-    """Runs pieces where options say; the processes stay for more pieces, until the `with` ends."""
+    """Runs pieces where options say, one stage after the other.
 
-    def __init__(self, options: Options, interrupts: Interrupts):
+    The processes and the results stay until the `with` ends. The results also stay after it, for
+    options.resume, if it is left by an exception or a piece may succeed another time.
+    problems: why the pieces of a key cannot be used, the first reason.
+    """
+
+    def __init__(self, options: Options, interrupts: Interrupts, output: str,
+                 log: Optional[logging.Logger] = None):
+        """output: the results are in the folder `output`.work meanwhile.
+
+        log: where each problem is said at once.
+        """
         self._options, self._interrupts = options, interrupts
+        self._folder, self._problem_log = output + '.work', log
         self._stack = contextlib.ExitStack()
         self._client: Any = None
+        self._work: Optional[WorkFolder] = None
+        self._count = 0         # of pieces, of all stages
+        self._is_lost = False
+        self.problems: Dict[str, str] = {}
 
     def __enter__(self) -> 'Engine':
         return self
 
-    def __exit__(self, *error: Any) -> None:
+    def __exit__(self, kind: Any, *_: Any) -> None:
         self._stack.close()
+        if kind is None and not self._is_lost:
+            self._forget()
+        elif self._work is not None:
+            done = self._work.count()
+            if done:
+                _log.warning('%d of %d pieces are done and kept in %s; go on with --resume', done,
+                             self._count, self._folder)
+
+    def _forget(self) -> None:
+        if self._work is not None:
+            self._work.remove()
 
     @contextlib.contextmanager
-    def outcomes(self, function: Function, pieces: Sequence[Piece], folder: str,
-                 unit: str = ' runs', known: Sequence[Done] = ()) -> Iterator['Outcomes']:
-        """Run `function(paths, *arguments)` for each piece; yield the outcomes, in the same order.
+    def judging(self) -> Iterator[None]:
+        """Keep no results if a UserError is raised: they are right, and what they say is it."""
+        try:
+            yield
+        except UserError:
+            self._forget()
+            raise
 
-        A UserError, or any other exception, of a piece is its outcome.
-        folder: for the results meanwhile. It is removed at the end of the `with`, and stays if
-        that is left by an exception, or a piece may succeed another time; with options.resume, its
-        results are used, else they are removed. unit: of the size of the pieces, for the
-        progress. known: what has run already.
+    def run(self, function: Function, pieces: Sequence[Piece], unit: str = ' runs',
+            known: Sequence[Done] = ()) -> Results:
+        """Run `function(paths, *arguments)` for each piece; return the results.
+
+        A UserError, or any other exception, of a piece is its problem. unit: of the size of the
+        pieces, for the progress. known: pieces among these that have run already.
         Raises UserError if the pieces cannot be run or the results not be written.
         """
-        work = WorkFolder(folder, function)
-        if not self._options.resume:
+        work = WorkFolder(self._folder, function)
+        if self._work is None and not self._options.resume:
             work.remove()
-        named = [(piece, work.name_of(piece)) for piece in pieces]
-        # a piece is known by itself: several may have the same key
-        name_of = {id(piece): name for piece, name in named}
-        problems: Dict[_Source, str] = {}
-        is_lost = False
+        self._work = work
+        self._count += len(pieces)
+        # a piece is known by itself: several may have the same key, or results of the same name
+        names = {id(piece): work.name_of(piece) for piece in pieces}
+        problems: Dict[int, str] = {}
 
-        def note(done: Done, name: str) -> None:
-            nonlocal is_lost
-            is_lost = is_lost or done.is_lost
+        def note(done: Done) -> None:
+            self._is_lost = self._is_lost or done.is_lost
             if done.problem:
-                problems[_source(done.piece, name)] = done.problem
+                problems[id(done.piece)] = done.problem
             else:
-                work.write(name, done.content)
+                work.write(names[id(done.piece)], done.content)
         for done in known:
-            note(done, work.name_of(done.piece))
-        waiting = [piece for piece, name in named
-                   if _source(piece, name) not in problems and not work.has(name)]
+            note(done)
+        waiting = [piece for piece in pieces
+                   if id(piece) not in problems and not work.has(names[id(piece)])]
         with self._interrupts.deferred():   # the destructor of tqdm fails after half a constructor
             total = sum(piece.size for piece in pieces)
             progress = tqdm(total=total, initial=total - sum(piece.size for piece in waiting),
                             unit=unit, disable=None)
-        try:
-            with progress, contextlib.closing(self._run(function, waiting)) as running:
-                for done in running:
-                    note(done, name_of[id(done.piece)])
-                    progress.update(done.piece.size)
-        except (KeyboardInterrupt, SystemExit, UserError):
-            _say_what_is_kept(work, len(pieces))
-            raise
-        yield Outcomes(work, named, problems)
-        if is_lost:
-            _say_what_is_kept(work, len(pieces))
-        else:
-            work.remove()
+        with progress, contextlib.closing(self._done(function, waiting)) as running:
+            for done in running:
+                note(done)
+                progress.update(done.piece.size)
+        for piece in pieces:
+            if id(piece) in problems and piece.key not in self.problems:
+                self.problems[piece.key] = problems[id(piece)]
+                if self._problem_log:
+                    self._problem_log.error('%s: %s', piece.key, problems[id(piece)])
+        return Results(work, pieces, names, problems, self.problems)
 
-    def _run(self, function: Function, pieces: Sequence[Piece]) -> Generator[Done, None, None]:
+    def _done(self, function: Function, pieces: Sequence[Piece]) -> Generator[Done, None, None]:
         """Run pieces, in any order."""
         jobs = min(self._options.jobs, len(pieces))
         if not pieces or not self._options.scheduler and jobs == 1:
@@ -140,10 +155,3 @@ class Engine:
         elif not options.scheduler:
             cluster.add_workers(self._client, jobs, self._interrupts)
         yield from cluster.completed(self._client, function, pieces, options)
-
-
-def _say_what_is_kept(work: WorkFolder, count: int) -> None:
-    done = work.count()
-    if done:
-        _log.warning('%d of %d pieces are done and kept in %s; go on with --resume', done, count,
-                     work.path)

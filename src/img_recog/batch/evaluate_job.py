@@ -8,10 +8,9 @@ import re
 from typing import Any, Callable, Dict, List, Sequence
 
 from img_recog import files
-from img_recog.batch import evaluate_report, evaluation, inputs, labels, options
-from img_recog.batch.engine import Engine
+from img_recog.batch import evaluate_report, evaluation, inputs, labels, options, recorded
+from img_recog.batch.engine import Engine, Results
 from img_recog.batch.evaluation import ColorSet, Evaluated, Measured, Truth
-from img_recog.batch.stages import Results, Stages, divide
 from img_recog.batch.work import Piece
 from img_recog.command_line import programs
 from img_recog.command_line import results
@@ -42,14 +41,15 @@ def _main(words: Sequence[str], interrupts: Interrupts) -> str:
     truth = _read_truth(os.path.expanduser(given.truth), named, sets) if given.truth else {}
     paths = files.output_paths(next(iter(named.values())), os.path.expanduser(given.output),
                                results.report_extensions(), 'evaluated')
-    with Engine(where, interrupts) as engine, Stages(
-            engine, re.sub(r'\.csv$', '', paths[0]), _log) as stages:
-        measured = _measured(stages, named, sets, given.topic, given.max_image_pixels)
-        found = _driven(stages, measured, sets, cli.world_name(given.world) if given.world else '')
+    with Engine(where, interrupts, re.sub(r'\.csv$', '', paths[0]), _log) as engine:
+        measured = _measured(engine, named, sets, given.topic, given.max_image_pixels)
+        said = recorded.said({name: [each.remarks] for name, each in measured.items()}, _log)
+        found = _driven(engine, measured, sets, cli.world_name(given.world) if given.world else '')
         with files.atomic_write(paths) as opened:
             results.write_report(
                 opened, evaluate_report.table(sets, found),
-                evaluate_report.markdown(sets, found, truth, stages.lines()),
+                evaluate_report.markdown(
+                    sets, found, truth, recorded.not_used(engine.problems, said)),
                 lambda file: evaluate_report.draw(file, sets, found))
     used, skipped, *_ = functools.reduce(Remarks.plus, (each.measured.remarks for each in found),
                                          Remarks())
@@ -57,26 +57,24 @@ def _main(words: Sequence[str], interrupts: Interrupts) -> str:
         len(found), counted(len(named), 'recording'),
         ('{} of '.format(used) if skipped else '') + counted(used + skipped, 'frame'),
         counted(len(sets), 'set of colors'), ', '.join(paths))
-    return programs.Incomplete(summary) if stages.problems else summary
+    return programs.Incomplete(summary) if engine.problems else summary
 
 
-def _measured(stages: Stages, named: Dict[str, str], sets: Sequence[ColorSet], topic: str,
+def _measured(engine: Engine, named: Dict[str, str], sets: Sequence[ColorSet], topic: str,
               max_pixels: int) -> Dict[str, Measured]:
     """Return what was measured in each recording that can be read to its end, and has images."""
-    divided = stages.run(divide, [
+    divided = engine.run(recorded.divide, [
         Piece(name, (topic, max_pixels), (path,)) for name, path in named.items()], ' recordings')
-    measured = stages.run(evaluation.measure, [
+    measured = engine.run(evaluation.measure, [
         Piece(piece.key, (part, max_pixels), (*piece.files, *(each.path for each in sets)),
               part.frames) for piece, found in divided for part in found.parts], ' frames')
-    grouped = _grouped(measured)
-    stages.note({name: [each.remarks for each in found] for name, found in grouped.items()})
-    return {name: found[0].joined(found[1:]) for name, found in grouped.items()}
+    return {name: found[0].joined(found[1:]) for name, found in _grouped(measured).items()}
 
 
-def _driven(stages: Stages, measured: Dict[str, Measured], sets: Sequence[ColorSet],
+def _driven(engine: Engine, measured: Dict[str, Measured], sets: Sequence[ColorSet],
             world: str) -> List[Evaluated]:
     scene = inputs.of_scene(world, resources.burger()) if world else ''
-    driven = stages.run(evaluation.drive, [
+    driven = engine.run(evaluation.drive, [
         Piece(name, (each, number, world, SpawnSettings()),
               (colors.path, *([world] if os.path.isabs(world) else [])), depends=scene)
         for name, each in measured.items() for number, colors in enumerate(sets)], ' drives')

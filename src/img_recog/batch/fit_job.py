@@ -5,13 +5,12 @@ import os
 from typing import Any, Dict, Iterable, List, NamedTuple, Optional, Sequence, Set, Tuple
 
 from img_recog import files
-from img_recog.batch import fit_pieces
+from img_recog.batch import fit_pieces, recorded
 from img_recog.batch import options as batch_options
-from img_recog.batch.engine import Engine
+from img_recog.batch.engine import Engine, Results
 from img_recog.batch.fit_pieces import FIT, Source
 from img_recog.batch.fit_report import Report
 from img_recog.batch.fit_settings import BaseSettings
-from img_recog.batch.stages import Results, Stages, divide
 from img_recog.batch.work import Piece
 from img_recog.command_line import programs
 from img_recog.errors import UserError
@@ -55,10 +54,9 @@ def _run(arguments: List[str], interrupts: Interrupts) -> str:
     for path in [*paths, options.samples, options.check, options.colors]:
         for output in report.paths:
             files.refuse_input(output, path, 'read', 'set --output to another')
-    with Engine(batch_options.of(options), interrupts) as engine, Stages(
-            engine, options.output, _log) as stages:
-        summary = _Fitting(options, sets, paths, stages).run(report)
-    return programs.Incomplete(summary) if stages.problems else summary
+    with Engine(batch_options.of(options), interrupts, options.output, _log) as engine:
+        summary = _Fitting(options, sets, paths, engine).run(report)
+    return programs.Incomplete(summary) if engine.problems else summary
 
 
 def _check_colors(fit: Samples, check: Samples) -> None:
@@ -72,15 +70,16 @@ class _Fitting:
     """A run of the program."""
 
     def __init__(self, options: argparse.Namespace, sets: Sequence[Samples],
-                 paths: Sequence[str], stages: Stages):
-        self._options, self._sets, self._paths, self._stages = options, sets, paths, stages
+                 paths: Sequence[str], engine: Engine):
+        self._options, self._sets, self._paths, self._engine = options, sets, paths, engine
+        self._said: List[str] = []      # of what could not be used
         self._base = BaseSettings(options.colors, sets[FIT].colors)
 
     def run(self, report: Report) -> str:
         """Fit the colors and write the report; return a summary."""
-        recorded = self._divided()
-        counted = self._stage(fit_pieces.count, recorded, ())
-        with self._stages.judging():
+        divided = self._divided()
+        counted = self._stage(fit_pieces.count, divided, ())
+        with self._engine.judging():
             histograms = self._summed(counted)
             fits = {color: self._fits_of(color, histograms) for color in self._sets[FIT].colors}
         candidates = [self._base.candidate({
@@ -91,27 +90,28 @@ class _Fitting:
             color: found[0].box for color, found in fits.items()
             if self._base.before(color) is None}))
         sizes = tuple(sorted({*BLOB_SIZES, self._base.min_blob_size}))
-        recorded = [each for each in recorded if each.path not in self._stages.problems]
-        measured = self._stage(fit_pieces.measure, recorded, (candidates, sizes))
-        with self._stages.judging():
+        divided = [each for each in divided if each.path not in self._engine.problems]
+        measured = self._stage(fit_pieces.measure, divided, (candidates, sizes))
+        with self._engine.judging():
             chosen = report.choose(self._base, fits, sizes, measured, histograms)
-        return report.write(chosen, measured, histograms, self._stages.lines())
+        return report.write(chosen, measured, histograms,
+                            recorded.not_used(self._engine.problems, self._said))
 
     def _divided(self) -> List[Recorded]:
         max_pixels = self._options.max_image_pixels
-        divided = self._stages.run(divide, [
+        divided = self._engine.run(recorded.divide, [
             Piece(path, (self._options.topic, max_pixels), (os.path.abspath(path),))
             for path in self._paths], ' recordings')
         return [Recorded(piece.key, Source(part, found.start_ns, tuple(self._sets), tuple(
             each.of(piece.key) for each in self._sets), max_pixels))
             for piece, found in divided for part in found.parts]
 
-    def _stage(self, function: Any, recorded: Sequence[Recorded], arguments: Tuple[Any, ...]
+    def _stage(self, function: Any, parts: Sequence[Recorded], arguments: Tuple[Any, ...]
                ) -> Results:
         # workers of a cluster are in other folders
-        return self._stages.run(function, [
+        return self._engine.run(function, [
             Piece(each.path, (each.source, *arguments), (os.path.abspath(each.path),),
-                  each.source.part.frames or 1) for each in recorded], ' frames')
+                  each.source.part.frames or 1) for each in parts], ' frames')
 
     def _fits_of(self, color: str, histograms: Histograms) -> List[Fit]:
         """Return the bounds of a color to choose from; raise UserError if there are none."""
@@ -143,14 +143,14 @@ class _Fitting:
                 entries.update(more)
         if not seen:
             raise UserError('none of the recordings can be used', 'the lines above say why')
-        self._stages.note(seen)
+        self._said = recorded.said(seen, _log)
         for samples_of, entries in zip(self._sets, used):
             self._check_used(samples_of, entries)
         return total.result()
 
     def _check_used(self, samples_of: Samples, used: Iterable[str]) -> None:
         for name, sample in samples_of.entries:
-            is_lost = any(samples.is_named(path, name) for path in self._stages.problems)
+            is_lost = any(samples.is_named(path, name) for path in self._engine.problems)
             if sample.entry not in used and not is_lost:
                 raise SampleError('{}: {}: {} has no frame {}'.format(
                     samples_of.path, sample.entry, name or self._paths[0],

@@ -5,10 +5,10 @@ from typing import IO, Any, Dict, List, Mapping, NamedTuple, Sequence, Tuple
 import cv2
 
 from img_recog import files
+from img_recog.batch.engine import Results
 from img_recog.batch.fit_pieces import CHECK, FIT
 from img_recog.batch.fit_result import Choice, Statistics, Worst
 from img_recog.batch.fit_settings import BaseSettings, as_yaml, settings_of
-from img_recog.batch.stages import Results
 from img_recog.batch.work import Piece
 from img_recog.command_line import results
 from img_recog.errors import UserError, counted

@@ -43,16 +43,15 @@ def _main(words: Sequence[str], interrupts: Interrupts) -> str:
     films = ['.worst_{}.mp4'.format(number + 1) for number in range(given.films)]
     paths = files.output_paths(path, os.path.expanduser(given.output),
                                (*results.report_extensions(), *films), 'sweep')
-    known = [] if where.resume else [_first(sweep, where, given.yes)]
-    work = re.sub(r'\.csv$', '.work', paths[0])
     runs = list(sweep.runs())
-    with Engine(where, interrupts) as engine, engine.outcomes(
-            sweep_run.run, [_piece(sweep, run) for run in runs], work, known=known) as outcomes:
-        ended = [Ended(run, outcome) for run, outcome in zip(runs, outcomes)]
+    pieces = [_piece(sweep, run) for run in runs]
+    known = [] if where.resume else [_first(pieces[0], sweep, where, given.yes)]
+    with Engine(where, interrupts, re.sub(r'\.csv$', '', paths[0])) as engine:
+        ended = [Ended(run, outcome) for run, outcome in zip(
+            runs, engine.run(sweep_run.run, pieces, known=known).outcomes())]
         worst = sweep_report.worst(ended, given.films)
-        with engine.outcomes(sweep_run.film, [_piece(sweep, each.run) for each in worst],
-                             work + '.films', ' films') as filmed:
-            written = _write(paths, path, sweep, ended, list(zip(worst, filmed)))
+        filmed = engine.run(sweep_run.film, [_piece(sweep, each.run) for each in worst], ' films')
+        written = _write(paths, path, sweep, ended, list(zip(worst, filmed.outcomes())))
     failed = sum(bool(each.outcome.problem) for each in ended)
     summary = '{}, {} have succeeded, {} have no result; wrote {}'.format(
         counted(len(ended), 'run'), sum(each.is_success for each in ended), failed,
@@ -86,9 +85,8 @@ def _piece(sweep: Sweep, run: Run) -> Piece:
                  depends=inputs.of_scene(*sweep_run.scene_of(values)))
 
 
-def _first(sweep: Sweep, where: options.Options, is_confirmed: bool) -> Done:
+def _first(piece: Piece, sweep: Sweep, where: options.Options, is_confirmed: bool) -> Done:
     """Do the first run, and say how long all will take; raise UserError if that is long."""
-    piece = _piece(sweep, next(sweep.runs()))
     begin_s = time.perf_counter()
     done = Done(piece, *run_piece(sweep_run.run, piece.files, (), piece.arguments))
     run_s = time.perf_counter() - begin_s

@@ -24,9 +24,8 @@ WAIT_S = 10
 def run(tmp_path, handlers_as_before):
     """A function that runs pieces; it returns the list of outcomes."""
     def run(function, pieces, known=(), **options):
-        with Engine(Options(**options), Interrupts()) as engine, engine.outcomes(
-                function, pieces, str(tmp_path / 'work'), known=known) as outcomes:
-            return list(outcomes)
+        with Engine(Options(**options), Interrupts(), str(tmp_path / 'x')) as engine:
+            return list(engine.run(function, pieces, known=known).outcomes())
     return run
 
 
@@ -74,7 +73,7 @@ def test_a_library_that_crashes_takes_nothing_with_it_and_its_file_is_named(
         'it needs more memory than there is')
     assert '<crashes {}>'.format(paths[3]) in capfd.readouterr().err
     # on a machine with more memory it may succeed
-    assert '7 of 8 pieces are done and kept in {}; go on'.format(tmp_path / 'work') in caplog.text
+    assert '7 of 8 pieces are done and kept in {}; go on'.format(tmp_path / 'x.work') in caplog.text
     assert len(kept(tmp_path)) == 7
 
 
@@ -83,7 +82,7 @@ def test_an_interrupted_run_goes_on_without_doing_anything_twice(run, tmp_path, 
     with pytest.raises(KeyboardInterrupt):
         run(batch_work.interrupted, pieces)
     assert '3 of 6 pieces are done and kept in {}; go on with --resume'.format(
-        tmp_path / 'work') in caplog.text
+        tmp_path / 'x.work') in caplog.text
     (tmp_path / 'go').touch()
     assert [each.value for each in run(batch_work.interrupted, pieces, resume=True)] == [
         0, 1, 4, 9, 16, 25]
@@ -93,8 +92,8 @@ def test_an_interrupted_run_goes_on_without_doing_anything_twice(run, tmp_path, 
 def test_without_resume_all_is_done_again(run, tmp_path):
     pieces = numbers(str(tmp_path), count=2)
     with contextlib.suppress(RuntimeError):
-        with Engine(Options(), Interrupts()) as engine, engine.outcomes(
-                batch_work.square, pieces, str(tmp_path / 'work')):
+        with Engine(Options(), Interrupts(), str(tmp_path / 'x')) as engine:
+            engine.run(batch_work.square, pieces)
             raise RuntimeError
     run(batch_work.square, pieces)
     assert (tmp_path / '0').read_text() == 'xx'
@@ -111,23 +110,19 @@ def test_what_has_run_already_is_not_run_again(run, tmp_path):
 
 
 def test_the_processes_stay_for_more_pieces_and_more_are_started(tmp_path, handlers_as_before):
-    with Engine(Options(jobs=3), Interrupts()) as engine:
-        found = []
-        for count in (2, 6):
-            with engine.outcomes(batch_work.process, numbers(0.3, count=count),
-                                 str(tmp_path / 'work')) as outcomes:
-                found.append({each.value for each in outcomes})
+    with Engine(Options(jobs=3), Interrupts(), str(tmp_path / 'x')) as engine:
+        # others: these would be known from the stage before
+        found = [{pid for _, pid in engine.run(batch_work.process, numbers(seconds, count=count))}
+                 for seconds, count in ((0.3, 2), (0.31, 6))]
     assert len(found[0]) == 2 and found[0] < found[1] and len(found[1]) == 3
     assert os.getpid() not in found[1]
 
 
 def test_workers_use_freed_memory_again_and_keep_few_records(tmp_path, handlers_as_before):
-    with Engine(Options(jobs=2), Interrupts()) as engine:
-        faults, records = [], []
-        for function, pieces, found in ((batch_work.page_faults, numbers(100), faults),
-                                        (batch_work.records, numbers(count=90), records)):
-            with engine.outcomes(function, pieces, str(tmp_path / 'work')) as outcomes:
-                found += [each.value for each in outcomes]
+    with Engine(Options(jobs=2), Interrupts(), str(tmp_path / 'x')) as engine:
+        faults, records = ([value for _, value in engine.run(function, pieces)]
+                           for function, pieces in ((batch_work.page_faults, numbers(100)),
+                                                    (batch_work.records, numbers(count=90))))
     assert max(faults) < 3000       # 25000 if each of the 100 buffers of 1 MB is mapped anew
     assert max(records) == 100      # 400 of what 45 pieces did
 
@@ -180,7 +175,7 @@ def test_a_problem_names_its_own_file_among_those_of_equal_content(run, tmp_path
 
 def kept(tmp_path):
     """Return the paths of results."""
-    return sorted(tmp_path.glob('work/*/*.piece'))
+    return sorted(tmp_path.glob('x.work/*/*.piece'))
 
 
 @pytest.fixture
@@ -204,7 +199,7 @@ def test_a_damaged_result_is_made_again(interrupted, tmp_path, damage):
 
 
 def test_results_are_of_this_user_alone(interrupted, tmp_path):
-    for path in (tmp_path / 'work', *(tmp_path / 'work').glob('**/*')):
+    for path in (tmp_path / 'x.work', *(tmp_path / 'x.work').glob('**/*')):
         assert path.stat().st_mode & 0o77 == 0
 
 
@@ -236,8 +231,8 @@ def test_what_others_may_have_put_there_is_refused(interrupted, tmp_path, change
 
 
 def test_no_run_uses_a_folder_of_others(run, tmp_path):
-    (tmp_path / 'work').mkdir()
-    (tmp_path / 'work').chmod(0o777)
+    (tmp_path / 'x.work').mkdir()
+    (tmp_path / 'x.work').chmod(0o777)
     with pytest.raises(UserError, match='others can write it'):
         run(batch_work.square, numbers())
 
@@ -265,8 +260,8 @@ def answers(address, port):
 
 def test_workers_listen_on_the_loopback_alone_and_to_this_user_alone(tmp_path, handlers_as_before):
     before = listening()
-    with Engine(Options(jobs=2), Interrupts()) as engine, engine.outcomes(
-            batch_work.square, numbers(), str(tmp_path / 'work')):
+    with Engine(Options(jobs=2), Interrupts(), str(tmp_path / 'x')) as engine:
+        engine.run(batch_work.square, numbers())
         found = listening() - before
         assert len(found) >= 5 and {address for address, _ in found} == {'127.0.0.1'}
         for address, port in found:
