@@ -91,4 +91,4 @@ def _is_full(handler: RotatingFileHandler) -> bool:
     """Return whether the file has its size; the original formats each line again to know that."""
     if handler.stream is None:      # it could not be opened after the last change of files
         handler.stream = handler._open()
-    return 0 < handler.maxBytes <= os.fstat(handler.stream.fileno()).st_size
+    return 0 < int(handler.maxBytes) <= os.fstat(handler.stream.fileno()).st_size
