@@ -57,4 +57,4 @@ def test_a_node_runs_without_a_log_folder(shared_ros, tmp_path):
     node = shared_ros.start_node('usb_cam_node.py', '_video_device:=synthetic', env=env)
     node.wait_output('camera: synthetic scene')
     assert node.interrupt() == 0
-    assert node.output.count('there is no log file') == 1 and 'Traceback' not in node.output
+    assert node.output.count('cannot create log directory') == 1 and 'Traceback' not in node.output

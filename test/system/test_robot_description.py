@@ -41,5 +41,6 @@ def test_xacro_file_is_expanded(dump, arguments):
 
 def test_xacro_file_that_cannot_be_expanded_gives_a_line_with_the_reason(dump):
     lines = dump('<robot/>').splitlines()
-    assert 'xacro cannot expand my robot.urdf.xacro: undefined symbol: size' in lines, lines
+    assert ('robot_description.py: error: xacro cannot expand my robot.urdf.xacro: undefined '
+            'symbol: size') in lines, lines
     assert not [line for line in lines if line.startswith('/robot_description')]

@@ -13,6 +13,7 @@ _TO_HSV = {'bgr8': cv2.COLOR_BGR2HSV, 'bgra8': cv2.COLOR_BGR2HSV,
 _TO_BGR = {'bgra8': cv2.COLOR_BGRA2BGR, 'rgb8': cv2.COLOR_RGB2BGR, 'rgba8': cv2.COLOR_RGBA2BGR}
 ENCODINGS = tuple(_TO_HSV)
 _WHOLE = (0.0, 1.0)
+_BLACK = np.zeros(1, CELL)
 
 
 def bgr_copy(image: np.ndarray, encoding: str) -> np.ndarray:
@@ -93,17 +94,26 @@ class ColorExtractor:
         self.draw_masked(number, result)
         return result
 
-    def draw_masked(self, number: int, result: np.ndarray) -> None:
-        """Write what `masked` returns to an array.
+    def draw_masked(self, number: int, result: np.ndarray, drawn: Optional[np.ndarray] = None
+                    ) -> Optional[np.ndarray]:
+        """Write what `masked` returns to an array; return a note of where it is not black.
 
-        result: uint8 of the shape of the image; its rows are contiguous.
+        result: uint8 of the shape of the image; its rows are contiguous. drawn: the note of what
+        it contains, so that only this is cleared; None for arbitrary content.
         """
         groups = self._groups_inside(number)
-        result[:] = 0
-        if groups is not None:
-            result.reshape(-1).view(CELL)[groups.indices] = groups.bgr
-        elif self._areas_px[number]:
-            cv2.copyTo(self.bgr()[self._region], self._masks.mask(number), result[self._region])
+        if groups is None or drawn is None:
+            result[:] = 0
+        if groups is None:
+            if self._areas_px[number]:
+                cv2.copyTo(self.bgr()[self._region], self._masks.mask(number),
+                           result[self._region])
+            return None
+        cells = result.reshape(-1).view(CELL)
+        if drawn is not None:
+            cells[drawn] = _BLACK
+        cells[groups.indices] = groups.bgr
+        return groups.indices
 
     def _groups_inside(self, number: int) -> Optional[GroupsInside]:
         """Return what Masks.groups_inside does, if that is the whole mask and the image fits."""

@@ -227,7 +227,7 @@ def scene(seed, encoding, shape):
 def test_images_drawn_one_over_the_other(encoding, shape, values):
     found = extractor(**values)
     plain = extractor(**values)
-    drawn = np.full(shape + (3,), 77, np.uint8)
+    drawn, notes = np.full((2,) + shape + (3,), 77, np.uint8), [None, None]
     for seed in range(60):
         image, bgr = scene(seed, encoding, shape)
         if seed % 20 == 13:
@@ -236,9 +236,11 @@ def test_images_drawn_one_over_the_other(encoding, shape, values):
         found.measure(image, kind)
         plain.measure(bgr)
         for number in range(2):
-            found.draw_masked(number, drawn)
-            assert np.array_equal(drawn, cv2.bitwise_and(bgr, bgr, mask=plain.mask(number)))
-            assert np.array_equal(drawn, found.masked(number))
+            note = notes[number] if seed % 7 else None      # other memory
+            notes[number] = found.draw_masked(number, drawn[number], note)
+            assert np.array_equal(drawn[number],
+                                  cv2.bitwise_and(bgr, bgr, mask=plain.mask(number)))
+            assert np.array_equal(drawn[number], found.masked(number))
 
 
 def test_other_settings_apply_from_the_next_image_on():

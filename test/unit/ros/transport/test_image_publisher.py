@@ -57,8 +57,32 @@ def test_nothing_is_drawn_without_subscribers(way, publisher):
 
 def test_a_drawn_image_is_sent(way, name, publisher, subscribe):
     subscriber, image = subscribe(name, Image), random_image(1)
-    publisher.publish_drawn(lambda result: np.copyto(result, image), image.shape, 'bgr8', header())
+    publisher.publish_drawn(lambda result, _: np.copyto(result, image), image.shape, 'bgr8',
+                            header())
     assert subscriber.receive() == wire(image, 1)
+
+
+def test_who_draws_knows_what_was_drawn_before_unless_an_outbox_has_it(fast, name, publisher,
+                                                                      subscribe):
+    subscriber, notes = subscribe(name, Image), []
+
+    def draw(result, note):
+        if note is None:
+            result[:] = 0
+        result.flat[len(notes)] = 1
+        notes.append(note)
+        return len(notes)
+
+    def publish(shape):
+        publisher.publish_drawn(draw, shape, 'bgr8', header())
+    for shape in ((4, 4, 3), (4, 4, 3), (2, 8, 3), LARGE):
+        publish(shape)
+        sent = np.frombuffer(subscriber.receive()[-int(np.prod(shape)):], np.uint8)
+        assert np.flatnonzero(sent).tolist() == ([0, 1] if len(notes) == 2 else [len(notes) - 1])
+    subscriber.fill()
+    publish(LARGE)      # an outbox keeps it
+    publish(LARGE)
+    assert notes[:3] == [None, 1, None] and notes[3] is None and notes[5] is None
 
 
 def test_a_cloud_of_points(way, name, subscribe):
