@@ -73,7 +73,8 @@ def test_a_library_that_crashes_takes_nothing_with_it_and_its_file_is_named(
         'it needs more memory than there is')
     assert '<crashes {}>'.format(paths[3]) in capfd.readouterr().err
     # on a machine with more memory it may succeed
-    assert '7 of 8 pieces are done and kept in {}; go on'.format(tmp_path / 'x.work') in caplog.text
+    assert '7 of 8 pieces are done and kept in {}; go on'.format(
+        tmp_path / 'x.work') in caplog.text
     assert len(kept(tmp_path)) == 7
 
 
