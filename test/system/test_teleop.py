@@ -98,13 +98,6 @@ def test_closing_its_terminal_stops_the_robot(ros):
     assert terminal.wait() == 0
 
 
-def test_limits_are_parameters_and_checked(ros):
-    ros.start_master()
-    teleop = ros.start_node('teleop_key.py', '_max_linear_velocity:=fast')
-    assert teleop.wait() == 1
-    assert "max_linear_velocity: got 'fast', allowed is a finite number" in teleop.output
-
-
 def test_in_the_namespace_of_a_robot_it_drives_only_that_robot(ros):
     demo = ros.demo('robots:=2', 'camera:=none', 'recognition:=false', 'teleop:=false',
                     'world:=empty')

@@ -74,17 +74,15 @@ def test_following_keeps_the_robot_in_the_middle(ros, simulate):
         assert image['dark']['middle'] == pytest.approx((320, 240), abs=30)
 
 
-@pytest.mark.parametrize('busy', [False, True])
-def test_another_process_draws_when_the_first_one_is_killed(ros, simulate, busy):
+def test_another_process_draws_when_the_first_one_is_killed(ros, simulate):
     node = simulate('_view_rate:=2')
     clock = Echo(ros, '/clock/clock')
     clock.wait_more(1)
     images = Images(ros)
     images.wait(count=2)
     drawer = drawing(node)      # idle for half a second
-    if busy:
-        os.kill(drawer, signal.SIGSTOP)
-        clock.wait_more(400)    # 0.8 s, in which an image is requested
+    os.kill(drawer, signal.SIGSTOP)
+    clock.wait_more(400)        # 0.8 s, in which an image is requested
     os.kill(drawer, signal.SIGKILL)
     node.wait_output(r'\[WARN\].* has ended with exit code -9; it is started again')
     clock.wait_more(100)
