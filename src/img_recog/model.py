@@ -147,13 +147,14 @@ class Contact(NamedTuple):
     """How what touches a surface is pushed out: as ODE has it, see physics/stiffness.py.
 
     stiffness: N/m; damping: N s/m; fastest: m/s; bounce: the share of its velocity with which it
-    comes back.
+    comes back; slack: m, from which depth on it is pushed out.
     """
 
     stiffness: float = 1e12
     damping: float = 1.0
     fastest: float = 0.01
     bounce: float = 0.0
+    slack: float = 0.0
 
     @property
     def throws(self) -> bool:

@@ -118,7 +118,7 @@ SDF: Dict[str, Row] = {
                            no_effect='bullet poissons_ratio elastic_modulus '
                            'collide_without_contact_bitmask category_bitmask',
                            why='Gazebo does not use the other bitmasks either'),
-    'contact/ode': Row('kp kd max_vel', no_effect='min_depth soft_cfm soft_erp', why=_CONTACTS),
+    'contact/ode': Row('kp kd max_vel min_depth', no_effect='soft_cfm soft_erp', why=_CONTACTS),
     'surface/friction': Row('ode', no_effect='bullet', not_simulated='torsional',
                             why='those of ode count, as in Gazebo'),
     'friction/ode': Row('mu mu2 fdir1', not_simulated='slip1=0 slip2=0'),
@@ -156,8 +156,9 @@ SDF: Dict[str, Row] = {
 
 # in a <gazebo> tag with a reference, which Gazebo copies into the link or joint
 _TAGS = Row('sensor visual collision plugin mu1 mu2 fdir1 material turnGravityOff? selfCollide? '
-            'self_collide? dampingFactor springReference springStiffness kp kd maxVel', 'light',
-            'minDepth maxContacts stopCfm stopErp fudgeFactor provideFeedback '
+            'self_collide? dampingFactor springReference springStiffness kp kd maxVel '
+            'minDepth', 'light',
+            'maxContacts stopCfm stopErp fudgeFactor provideFeedback '
             'implicitSpringDamper cfmDamping disableFixedJointLumping preserveFixedJoint '
             'genTexCoord', 'static=0 gravity=1 laserRetro=0 velocity_decay=0 kinematic=0',
             why=_CONTACTS)

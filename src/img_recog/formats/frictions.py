@@ -12,6 +12,7 @@ _MOST = 100.0
 # the fields of a Contact, below <surface> and in a tag of a URDF
 _CONTACTS = {'stiffness': ('contact/ode/kp', 'kp'), 'damping': ('contact/ode/kd', 'kd'),
              'fastest': ('contact/ode/max_vel', 'maxVel'),
+             'slack': ('contact/ode/min_depth', 'minDepth'),
              'bounce': ('bounce/restitution_coefficient', '')}
 _HARD_N_M = 1e7
 # what little reaches: without a <threshold>, it is 100 km/s

@@ -5,10 +5,11 @@ leans. PyBullet finds one or the other, whichever is lower by a hair: then wheel
 than they look, or nearer, and the load is anywhere. So a wheel has a narrow tread at each edge
 that touches, and the rest of it does not reach the floor. A wheel that is a mesh becomes a
 cylinder: the convex hull of PyBullet has corners, and is 1 mm larger. One with a direction of
-friction has all of that twice, see directions.py.
+friction has all of that twice, see directions.py. By what a wheel sinks into the floor before that
+pushes it out (<min_depth>), the rest of its robot is lower.
 """
 import dataclasses
-from typing import Collection, Iterator
+from typing import Collection, Iterator, List
 
 import numpy as np
 
@@ -23,6 +24,8 @@ _MIN_LEAN = 1e-4        # rad, of an axle: ODE's tolerance
 # what is nearer to the floor makes contacts (the breaking threshold of Bullet), which take time
 _CLEARANCE_M = 0.0201
 _PARALLEL = 0.99
+# of the depth from which a wheel is pushed out; what it sinks in by itself, see stiffness.py
+_MAX_SLACK_M, _GIVES_WAY_M = 0.005, 0.0005
 
 
 def added(model: Model, driven: Collection[str] = ()) -> Model:
@@ -31,10 +34,13 @@ def added(model: Model, driven: Collection[str] = ()) -> Model:
     driven: the joints of wheels, which are round also if they are meshes.
     """
     links = {link.name: link for link in model.links}
-    joints = list(model.joints)
+    joints: List[Joint] = []
     for joint in model.joints:
+        joints.append(joint)
         if joint.kind in (CONTINUOUS, REVOLUTE):
             wheel, axis = links[joint.child], axis_of(joint)
+            if wheel.solids and all(_is_round(solid, axis) for solid in wheel.solids):
+                joints[-1] = _lower_than(wheel, joint)
             solids = [_round(solid, axis) for solid in wheel.solids
                       ] if joint.name in driven else wheel.solids
             links[joint.child] = wheel._replace(
@@ -46,6 +52,14 @@ def added(model: Model, driven: Collection[str] = ()) -> Model:
                     space=wheel.space)
                 joints.append(Joint(second, FIXED, joint.child, second))
     return dataclasses.replace(model, links=tuple(links.values()), joints=tuple(joints))
+
+
+def _lower_than(wheel: Link, joint: Joint) -> Joint:
+    """Return the joint of a wheel with its parent as much lower as the wheel sinks into a floor.
+    """
+    height_m = min(wheel.solids[0].contact.slack, _MAX_SLACK_M) - _GIVES_WAY_M
+    return joint._replace(pose=joint.pose._replace(
+        translation=joint.pose.translation + (0.0, 0.0, max(height_m, 0.0))))
 
 
 def owner(link: str) -> str:

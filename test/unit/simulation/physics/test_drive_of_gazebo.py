@@ -6,6 +6,7 @@ import math
 
 import pytest
 
+from img_recog import rotations
 from img_recog_helpers.robots import burger
 from img_recog_helpers.wheeled import assembled, plugin
 
@@ -39,3 +40,14 @@ def test_ways(tags, parts, figures):
             assert way == pytest.approx(figure, rel=0.035, abs=0.005)
         else:
             assert turned == pytest.approx(figure, rel=0.02, abs=0.01)
+
+
+def test_how_it_stands():
+    """Its wheels are as deep in the floor as their tags allow, its caster is on it."""
+    sinking = ''.join('<gazebo reference="wheel_{}_link"><kp>500000.0</kp><kd>10.0</kd><minDepth>'
+                      '0.001</minDepth></gazebo>'.format(side) for side in ('left', 'right'))
+    robot = assembled(burger().replace('</robot>', sinking + '</robot>')).simulator
+    robot.advance(1000)
+    pose = robot.vehicles[0].robot.pose()
+    assert pose.position[2] == pytest.approx(-0.001, abs=1e-4)
+    assert -rotations.matrix(pose.orientation)[2, 0] == pytest.approx(0.0077, abs=0.002)
