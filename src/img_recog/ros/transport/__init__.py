@@ -19,8 +19,9 @@ Names that are used
     direct_publisher.py
         `impl` of a Publisher: publock, closed, connections, is_latch, latch, seq.
     rosout.py
-        rospy.impl.rosout: Publisher, which is replaced.
+        rospy.impl.rosout: Publisher, which is replaced, and _rosout_pub.
         rospy.impl.paramserver: get_param_server_cache().set().
+        rospy.impl.registration.get_topic_manager().get_topics().
     redelivery.py
         `impl` of a Publisher: connections.
     settled_subscriber.py

@@ -62,8 +62,8 @@ def test_a_drawn_image_is_sent(way, name, publisher, subscribe):
     assert subscriber.receive() == wire(image, 1)
 
 
-def test_who_draws_knows_what_was_drawn_before_unless_an_outbox_has_it(fast, name, publisher,
-                                                                      subscribe):
+def test_who_draws_knows_what_was_drawn_before_unless_an_outbox_has_it(
+        fast, name, publisher, subscribe):
     subscriber, notes = subscribe(name, Image), []
 
     def draw(result, note):

@@ -2,6 +2,7 @@
 import io
 import logging
 import re
+from types import SimpleNamespace
 
 import pytest
 import rospy
@@ -40,7 +41,8 @@ class Setup:
 
 @pytest.fixture
 def setup(tmp_path, monkeypatch):
-    monkeypatch.setattr(rospy, 'get_param_cached', lambda name, default: default)
+    for name in ('get_param', 'get_param_cached'):
+        monkeypatch.setattr(rospy, name, lambda name, default: default)
     monkeypatch.setattr(rospy_rosout.Time, 'now', lambda: rospy.Time(5, 7))
     made = Setup(tmp_path / 'node.log')
     monkeypatch.setattr(rospy_rosout, '_rosout_pub', made)
@@ -98,7 +100,6 @@ def test_the_time_is_that_of_the_line(setup, monkeypatch):
 @pytest.mark.parametrize('change, file, topic', [
     (lambda setup: setup.file.setLevel(logging.WARNING), False, True),
     (lambda setup: setup.file.addFilter(lambda record: False), False, True),
-    (lambda setup: setup.topic.setLevel(logging.WARNING), True, False),
     (lambda setup: logging.getLogger('rosout').setLevel(logging.WARNING), False, False)])
 def test_levels_and_filters_hold(setup, change, file, topic):
     node = Node()
@@ -107,3 +108,22 @@ def test_levels_and_filters_hold(setup, change, file, topic):
     node.handle('second')
     assert ('second' in setup.written(), 'second' in [msg.msg for msg in setup.sent]) == (
         file, topic)
+
+
+def test_a_closed_topic_does_not_reach_the_caller(setup, monkeypatch):
+    def refuse(_):
+        raise rospy.ROSException('closed')
+    monkeypatch.setattr(setup, 'publish', refuse)
+    Node().handle('a line')
+    assert 'a line' in setup.written()
+
+
+def test_topics_are_left_out_on_request(setup, monkeypatch):
+    monkeypatch.setattr(rosout.registration, 'get_topic_manager',
+                        lambda: SimpleNamespace(get_topics=lambda: ['/cmd_vel']))
+    node = Node()
+    monkeypatch.setattr(rospy, 'get_param', lambda name, default: True)
+    other = Node()
+    node.handle('named')
+    other.handle('not named')
+    assert [msg.topics for msg in setup.sent] == [['/cmd_vel'], []]
