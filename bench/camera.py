@@ -2,17 +2,20 @@
 import os
 import sys
 import tempfile
+import time
 from functools import partial
-from typing import Callable, Tuple
+from typing import Callable, List, Tuple
 
 import cv2
+import numpy as np
 import pictures
+import raw_topics
 from pairs import Benchmark, Column, Samples
-from ros_processes import PACKAGE, Master, installed, run_script, wait_for
+from ros_processes import PACKAGE, Master, cpu_s, installed, wait_for
 
 THEIRS = ('rosrun', 'image_publisher', 'image_publisher')
 OURS = (sys.executable, os.path.join(PACKAGE, 'scripts', 'usb_cam_node.py'))
-SECONDS = 8.0
+SKIPPED, SECONDS = 30, 8.0      # images at the start
 SIZES = ((640, 480), (1920, 1080))
 RATE_HZ, FRAMES = 30, 150
 
@@ -37,15 +40,32 @@ def still(folder: str, width: int, height: int) -> str:
 
 
 def sample(*command: str) -> dict:
-    """Return what image_sample.py measures while a node publishes images."""
+    """Return rate, CPU time and jitter of a node that publishes images, read like by a viewer."""
+    begins, arrivals = [], []       # of the first and last byte of each image
     with Master() as master:
-        process = master.start(*command)
+        pid = master.start(*command).pid
+        topic = wait_for(lambda: next((
+            name for name, kind in master.server.getPublishedTopics('')
+            if kind == 'sensor_msgs/Image'), None), 'images of ' + command[0])
+        with raw_topics.connect(topic, master.env['ROS_MASTER_URI']) as sock:
+            messages = raw_topics.messages(sock, lambda: begins.append(time.perf_counter()))
+            for _ in range(SKIPPED):
+                next(messages)
+            begins.clear()
+            before, end = cpu_s(pid), time.perf_counter() + SECONDS
+            while not arrivals or arrivals[-1] < end:
+                next(messages)
+                arrivals.append(time.perf_counter())
+            processor = cpu_s(pid) - before
+    return {'rate_hz': (len(arrivals) - 1) / (arrivals[-1] - arrivals[0]),
+            'cpu_ms_a_frame': 1e3 * processor / len(arrivals),
+            'jitter_ms': _jitter_ms(begins), 'arrival_jitter_ms': _jitter_ms(arrivals)}
 
-        def topic():
-            return next((name for name, kind in master.server.getPublishedTopics('')
-                         if kind == 'sensor_msgs/Image'), None)
-        name = wait_for(topic, 'images of ' + command[0])
-        return run_script('image_sample.py', name, SECONDS, process.pid, env=master.env)
+
+def _jitter_ms(times: List[float]) -> float:
+    """Return by how much 99 % of the periods differ at most from the median."""
+    periods = np.diff(times)
+    return float(1e3 * np.percentile(np.abs(periods - np.median(periods)), 99))
 
 
 def _case(write: Callable[[str, int, int], str], size: Tuple[int, int]) -> Samples:

@@ -14,6 +14,7 @@ import sys
 import time
 from typing import Iterable, List
 
+import psutil
 import raw_topics
 import rospy
 from geometry_msgs.msg import Twist
@@ -49,11 +50,7 @@ def simulated_s() -> float:
 
 def memory_mb(pids: Iterable[int]) -> float:
     """Return the memory of processes; what several share is counted once."""
-    total_kb = 0
-    for pid in pids:
-        with open('/proc/{}/smaps_rollup'.format(pid)) as file:
-            total_kb += next(int(line.split()[1]) for line in file if line.startswith('Pss:'))
-    return total_kb / 1024
+    return sum(psutil.Process(pid).memory_full_info().pss for pid in pids) / (1 << 20)
 
 
 def drive(robots: List[str]) -> None:

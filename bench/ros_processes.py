@@ -8,6 +8,7 @@ import threading
 import time
 from typing import Any, Dict, List, Optional
 
+import psutil
 import rosgraph
 
 HERE = os.path.dirname(os.path.abspath(__file__))
@@ -115,19 +116,8 @@ def run_script(name: str, *arguments, env: Optional[Dict[str, str]] = None):
 
 def descendants(*pids: int) -> List[int]:
     """Return the ids of processes and of all their descendants."""
-    children: Dict[int, List[int]] = {}
-    for name in filter(str.isdigit, os.listdir('/proc')):
-        try:
-            with open('/proc/{}/stat'.format(name)) as file:
-                # PID (NAME) STATE PARENT ...; the name may contain spaces and brackets
-                parent = int(file.read().rpartition(')')[2].split()[1])
-        except OSError:         # the process has ended meanwhile
-            continue
-        children.setdefault(parent, []).append(int(name))
-    found = list(pids)
-    for pid in found:
-        found += children.get(pid, [])
-    return found
+    return [*pids, *(each.pid for pid in pids
+                     for each in psutil.Process(pid).children(recursive=True))]
 
 
 def cpu_s(pid: int) -> float:

@@ -9,7 +9,7 @@ import yaml
 from img_recog.errors import UserError
 from img_recog.recognition.fitting.labels import FrameLabels, Labeler
 from img_recog.recognition.fitting.sample_file import OTHER
-from img_recog.recognition.fitting.samples import IGNORED, NO_COLOR, Region, Samples
+from img_recog.recognition.fitting.samples import IGNORED, NO_COLOR, Region, Samples, corners
 
 SAMPLES_FILE = 'samples.yaml'
 _MASKS = 'masks'        # a folder of its own: who reads all pictures of a folder leaves it out
@@ -37,12 +37,8 @@ class Sample(NamedTuple):
 
     def region(self) -> Region:
         """Return it as files of samples have it."""
-        outline: Tuple[Tuple[float, float], ...] = ()
-        if self.rectangle:
-            left, top, width, height = self.rectangle
-            right, bottom = left + width - 1, top + height - 1
-            outline = (left, top), (right, top), (right, bottom), (left, bottom)
-        return Region('sample {}'.format(self.number), self.color, 0, outline, self.mask)
+        return Region('sample {}'.format(self.number), self.color, 0,
+                      corners(*self.rectangle) if self.rectangle else (), self.mask)
 
 
 class Marked(NamedTuple):

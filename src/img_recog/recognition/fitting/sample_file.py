@@ -6,7 +6,7 @@ from img_recog.errors import UserError, one_line, shortened, suggestion
 from img_recog.files import plain
 from img_recog.formats.markup import MarkupError, load_yaml, read_bytes
 from img_recog.recognition.fitting.samples import (IGNORED, NO_COLOR, Range, Region, SampleError,
-                                                   Samples)
+                                                   Samples, corners)
 from img_recog.recognition.settings import SettingError, color_names
 
 OTHER = 'other'
@@ -132,9 +132,7 @@ class _Reader:
             if not (_are_numbers(value, 4) and value[2] > 0 and value[3] > 0):
                 raise self._error(name, 'rectangle: got {}, expected [left, top, width, height] '
                                   'in pixels'.format(shortened(repr(value))))
-            left, top, width, height = value
-            right, bottom = left + width - 1, top + height - 1
-            return (left, top), (right, top), (right, bottom), (left, bottom)
+            return corners(*value)
         if not (isinstance(value, list) and len(value) >= 3
                 and all(_are_numbers(corner, 2) for corner in value)):
             raise self._error(name, 'polygon: got {}, expected three or more corners [x, y] in '

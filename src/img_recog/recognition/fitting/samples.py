@@ -27,6 +27,13 @@ class Region(NamedTuple):
     mask: bytes
 
 
+def corners(left: float, top: float, width: float, height: float
+            ) -> Tuple[Tuple[float, float], ...]:
+    """Return the corners of a rectangle in pixels, which belong to it."""
+    right, bottom = left + width - 1, top + height - 1
+    return (left, top), (right, top), (right, bottom), (left, bottom)
+
+
 class Range(NamedTuple):
     """A range of time in which a color is in view or not, in s from the first frame."""
 
