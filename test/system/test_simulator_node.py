@@ -7,7 +7,7 @@ import pytest
 from geometry_msgs.msg import Point, Pose, PoseStamped, Quaternion
 from std_msgs.msg import Header
 
-from img_recog_helpers import robots, wire
+from img_recog_helpers import wire
 from img_recog_helpers.process_table import descendants, is_alive
 from img_recog_helpers.simulator_tools import (Echo, Images, burger, call, complaints, drawing,
                                                drive, wait_standing, with_tags)
