@@ -10,7 +10,7 @@ the body goes down until what it is moved in a step is as much: that is a spring
 softer the heavier the body is (`_as_moved`).
 """
 import math
-from typing import Dict, NamedTuple
+from typing import Dict, List, NamedTuple, Tuple
 
 import pybullet
 
@@ -84,11 +84,14 @@ def springs(body: FramedBody) -> Dict[int, Spring]:
         limit = mass * _JOINTED_N_M
         found = {link: Spring(limit, mass * _JOINTED_N_S_M) for link in
                  link_indices(body.body_id, body.physics_client_id).values()}
-    count = _count(body) if any(contact != Contact() for contact in contacts.values()) else 1
+    points = _points(body) if any(contact != Contact() for contact in contacts.values()) else []
+    count = sum(in_ode for in_ode, _ in points)
     for link, contact in contacts.items():
+        if contact == Contact():
+            continue
         spring = _as_moved(contact, mass, count, body.physics_client_id)
-        if contact != Contact() and spring.stiffness < limit:
-            found[link] = spring
+        if spring.stiffness < limit:
+            found[link] = spring.scaled(count / sum(here for _, here in points))
         elif contact.throws and not body.joints:
             found[link] = Spring(*_BOUNCING) if contact.bounce > _LITTLE else spring
     return found
@@ -121,23 +124,25 @@ def _contacts(body: FramedBody) -> Dict[int, Contact]:
             if link.solids}
 
 
-def _count(body: FramedBody) -> int:
-    """Return on how many points a body stands where it was loaded."""
+def _points(body: FramedBody) -> List[Tuple[int, int]]:
+    """Return on how many points each solid that a body stands on where it was loaded touches a
+    floor, in ODE and in PyBullet."""
     client = {'physicsClientId': body.physics_client_id}
     indices = link_indices(body.body_id, body.physics_client_id)
     lows = {link.name: pybullet.getAABB(body.body_id, indices[link.name], **client)[0][2]
             for link in body.model.links if link.solids}
-    return sum(_points(body, indices[link.name], solid) for link in body.model.links
-               for solid in link.solids if lows[link.name] < min(lows.values()) + _LOW_M)
+    return [_of_solid(body, indices[link.name], solid) for link in body.model.links
+            for solid in link.solids if lows[link.name] < min(lows.values()) + _LOW_M]
 
 
-def _points(body: FramedBody, link: int, solid: Solid) -> int:
+def _of_solid(body: FramedBody, link: int, solid: Solid) -> Tuple[int, int]:
     if solid.shape.kind == SPHERE:
-        return 1
+        return 1, 1
     if solid.shape.kind == CYLINDER:
         client = {'physicsClientId': body.physics_client_id}
         turned = (pybullet.getBasePositionAndOrientation(body.body_id, **client)[1]
                   if link in links_of_base(body.body_id, body.physics_client_id) else
                   pybullet.getLinkState(body.body_id, link, **client)[5])
-        return 4 if abs((matrix(turned) @ solid.pose.rotation)[2, 2]) > 0.5 else 2
-    return 4
+        stands = abs((matrix(turned) @ solid.pose.rotation)[2, 2]) > 0.5
+        return (4, 2) if stands else (2, 2)
+    return 4, 4

@@ -14,6 +14,7 @@ BODY = ('<model name="{}"><pose>{} 0 {} 0 0 0</pose><link name="l"><inertial><ma
         '<inertia><ixx>{inertia}</ixx><iyy>{inertia}</iyy><izz>{inertia}</izz></inertia>'
         '</inertial><collision name="c"><geometry>{}</geometry>{}</collision></link></model>')
 BALL = '<sphere><radius>0.1</radius></sphere>'
+CYLINDER = '<cylinder><radius>0.1</radius><length>0.2</length></cylinder>'
 BOX = '<box><size>0.2 0.2 0.2</size></box>'
 URDF = ('<robot name="r"><link name="l"><inertial><mass value="1"/><inertia ixx="1" iyy="1" '
         'izz="1" ixy="0" ixz="0" iyz="0"/></inertial><collision><geometry><sphere radius="1"/>'
@@ -48,7 +49,8 @@ def heights(tmp_path, shape, height, mass, contact, times, bounce=''):
     # where it rests; PyBullet finds one corner of a box on a plane in a step, so it gets there
     # in another way
     (BOX, 10, 'kp=10000 kd=100', {3: 0.0454}), (BOX, 10, 'kp=100000 kd=1', {3: 0.0941}),
-    (BOX, 10, 'kp=10000 kd=100 max_vel=100', {3: 0.0976})])
+    (BOX, 10, 'kp=10000 kd=100 max_vel=100', {3: 0.0976}),
+    (CYLINDER, 5, 'kp=30000 kd=30', {3: 0.0917})])
 def test_how_deep_a_body_sinks(shape, mass, contact, found, tmp_path):
     measured = heights(tmp_path, shape, 0.1, mass, contact, list(found))
     for time, z, expected in zip(found, measured, found.values()):
