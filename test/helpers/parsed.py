@@ -1,10 +1,12 @@
 """What is read of the text of a URDF."""
-from typing import NamedTuple, Sequence
+from typing import Any, Dict, NamedTuple, Sequence
 
-from img_recog.formats import camera_tags, gazebo_tags, lumping, urdf
+from img_recog.conversions.sensor_table import SENSORS
+from img_recog.formats import lumping, urdf
 from img_recog.model import Tag
 from img_recog.simulation.robot_spec import settings_in_tag
-from img_recog.simulation.sensors.sensor import sensors_of
+from img_recog.simulation.sensors import in_files
+from img_recog.simulation.sensors.sensor import RobotSensor, sensors_of
 from img_recog.simulation.settings import CameraSettings
 from img_recog_helpers.robots import CAMERA
 
@@ -34,15 +36,21 @@ class Cameras(NamedTuple):
 
 def cameras(text):
     """Return the cameras of a URDF."""
-    root = urdf.root_of(text)
-    found, problems = camera_tags.read(_tags(root), [
-        link.get('name') for link in root.findall('link')])
+    found, problems = in_files.read(_tags(urdf.root_of(text)), 0.001, [CAMERA])[1:]
     return Cameras(tuple(map(settings_in_tag, sensors_of([CAMERA], found))), tuple(problems))
 
 
-def tags(text, step_s=0.001, readers=()):
+class InTags(NamedTuple):
+    """What is in <gazebo> tags: settings by name, sensors, and what is not simulated."""
+
+    values: Dict[str, Any]
+    sensors: Sequence[RobotSensor]
+    not_simulated: Sequence[str]
+
+
+def tags(text, step_s=0.001, drive=None, kinds=SENSORS):
     """Return what is in the <gazebo> tags of a URDF."""
-    return gazebo_tags.read(_tags(urdf.root_of(text)), step_s, readers)
+    return InTags(*in_files.read(_tags(urdf.root_of(text)), step_s, kinds, drive))
 
 
 def _tags(root):

@@ -7,7 +7,6 @@ from nav_msgs.msg import Odometry
 from sensor_msgs.msg import Image, Imu, JointState, LaserScan, Range
 
 from img_recog.conversions import contact_msgs, robot_msgs
-from img_recog.formats import camera_tags
 from img_recog.simulation.sensors import (contact_sensor, imu, joint_states, laser_scanner,
                                           odometry, range_sensor, robot_camera)
 from img_recog.simulation.sensors.sensor import SensorKind
@@ -28,6 +27,6 @@ SENSORS = (
     SensorKind('contact', contact_sensor.ContactSettings, contact_sensor.ContactSensor,
                contact_sensor.TAGS, contact_msgs.ContactsState, contact_msgs.to_msg,
                noise_number=6, only_in_tags=True, missing=contact_msgs.MISSING),
-    SensorKind(robot_camera.CAMERA, CameraSettings, robot_camera.make, camera_tags.TAGS, Image,
+    SensorKind(robot_camera.CAMERA, CameraSettings, robot_camera.make, robot_camera.TAGS, Image,
                None, noise_number=7, only_in_tags=True),
 )

@@ -45,7 +45,21 @@ def plugin_of(sensor: ElementTree.Element) -> Optional[ElementTree.Element]:
                  if any(word in plugin.get('filename', '') for word in words)), None)
 
 
-def side_of(camera: ElementTree.Element) -> str:
+def of_sensor(sensor: ElementTree.Element, plugin: ElementTree.Element) -> Iterator[Values]:
+    """Yield the settings of each camera of a <sensor> with a plugin.
+
+    Raises SimulationError naming what cannot be read.
+    """
+    cameras = sensor.findall('camera')
+    if sensor.get('type') == 'multicamera':
+        pairs = [(camera, _side_of(camera)) for camera in cameras if _side_of(camera)]
+    else:
+        pairs = [(cameras[0] if cameras else ElementTree.Element('camera'), '')]
+    for camera, side in pairs:
+        yield {**_of_camera(sensor, camera), **_of_plugin(sensor, plugin, side)}
+
+
+def _side_of(camera: ElementTree.Element) -> str:
     """Return which of a stereo pair a <camera> is to libgazebo_ros_multicamera, '' for none."""
     return next((side for side in (_LEFT, _RIGHT) if side in name_of(camera)), '')
 
@@ -62,7 +76,7 @@ def not_simulated(sensor: ElementTree.Element, plugin: ElementTree.Element) -> L
             found.append('format {}'.format(_format(camera)))
         if camera.find('lens/intrinsics') is not None:
             found.append('lens intrinsics')
-        if sensor.get('type') == 'multicamera' and not side_of(camera):
+        if sensor.get('type') == 'multicamera' and not _side_of(camera):
             found.append('camera {}, neither left nor right,'.format(name_of(camera)))
     return found
 
@@ -76,11 +90,8 @@ def _is_given(owner: ElementTree.Element, path: str) -> bool:
     return text is not None and abs(read_number('<{}>'.format(path), text)) > _MAX_IGNORED
 
 
-def of_camera(sensor: ElementTree.Element, camera: ElementTree.Element) -> Values:
-    """Return the settings that a sensor and its camera give.
-
-    Raises SimulationError naming what cannot be read.
-    """
+def _of_camera(sensor: ElementTree.Element, camera: ElementTree.Element) -> Values:
+    """Return the settings that a sensor and its camera give."""
     of = ' of sensor ' + name_of(sensor)
     is_wide = sensor.get('type') == _WIDE
     values: Values = {**_DEFAULTS, **_pose(sensor, camera, of)}
@@ -92,10 +103,10 @@ def of_camera(sensor: ElementTree.Element, camera: ElementTree.Element) -> Value
     if is_wide:
         values.update(_lens(camera, of))
     for path, setting in {**_NUMBERS, **(_LENS if is_wide else _DISTORTION)}.items():
-        if camera.find(path) is not None:
+        if text_of(camera, path):
             values[setting] = read_number('<{}>{}'.format(path, of), camera.findtext(path))
     for path, setting in {**_WHOLE_NUMBERS, **(_LENS_SIZE if is_wide else {})}.items():
-        if camera.find(path) is not None:
+        if text_of(camera, path):
             values[setting] = read_whole('<{}>{}'.format(path, of), camera.findtext(path))
     return values
 
@@ -134,11 +145,8 @@ def _scale(camera: ElementTree.Element, of: str) -> Values:
                                                                   text)}
 
 
-def of_plugin(sensor: ElementTree.Element, plugin: ElementTree.Element, side: str) -> Values:
-    """Return the settings that a plugin gives: rate, topics and frame; side: see `side_of`.
-
-    Raises SimulationError naming what cannot be read.
-    """
+def _of_plugin(sensor: ElementTree.Element, plugin: ElementTree.Element, side: str) -> Values:
+    """Return the settings that a plugin gives: rate, topics and frame; side: see `_side_of`."""
     of = ' of sensor ' + name_of(sensor)
     values: Values = dict(_names(plugin, sensor.get('type') == _DEPTH, side))
     rates = [read_number('<{}>{}'.format(tag, of), owner.findtext(tag))

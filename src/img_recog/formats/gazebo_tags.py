@@ -2,20 +2,17 @@
 
 They are in the <gazebo> tags of a URDF, and in the links and the models of an SDF.
 
-drive_tags.py has the rows of drives, camera_tags.py reads those of cameras, urdf_links.py
-friction. The rows of each kind of sensors are beside its class, as `Tags`.
+drive_tags.py has the rows of drives, camera_values.py reads those of cameras, urdf_links.py
+friction. The rows of each kind of sensors are beside its class, as `Tags`;
+simulation/sensors/in_files.py looks for them.
 """
 import math
 import xml.etree.ElementTree as ElementTree
-from typing import (Any, Callable, Dict, Iterable, Iterator, List, Mapping, NamedTuple, Optional,
-                    Sequence)
+from typing import Any, Callable, Dict, Iterable, Mapping, NamedTuple, Optional, Sequence
 
 from img_recog.errors import SimulationError
-from img_recog.formats import camera_values
-from img_recog.formats.numbers import read_numbers, whole
-from img_recog.formats.texts import name_of, text_of
-from img_recog.model import Frame, Tag
-from img_recog.rotations import IDENTITY, transform
+from img_recog.formats.numbers import whole
+from img_recog.formats.texts import text_of
 from img_recog.settings import nearest_period
 
 Values = Dict[str, Any]
@@ -70,145 +67,29 @@ class Tags(NamedTuple):
     not_simulated: Callable[[ElementTree.Element], Iterable[str]] = lambda owner: ()
 
 
-class SensorTag(NamedTuple):
-    """A sensor in a file.
-
-    tags: of its kind; values: its settings, by name; place: None if nothing says it; label: its
-    own name; type: of its <sensor>, '' if it is a plugin alone; is_bare: whether it has no plugin
-    that publishes what it measures.
-    """
-
-    tags: Tags
-    values: Values
-    place: Optional[Frame]
-    label: str = ''
-    type: str = ''
-    is_bare: bool = False
-
-
-class Found(NamedTuple):
-    """What is in <gazebo> tags.
-
-    values: the settings that they give for what is there once, and for the first sensor of each
-    kind, by name: SI units, and periods that are whole steps. sensors: all that are simulated.
-    not_simulated: the plugins and sensors that are not simulated, in their order. Each is 'plugin
-    FILENAME' or 'sensor TYPE', after the word 'second' where it is a duplicate. Those of cameras
-    are not among them.
-    """
-
-    values: Values
-    not_simulated: List[str]
-    sensors: List[SensorTag]
-
-
-def read(tags: Sequence[Tag], step_s: float, readers: Sequence[Tags],
-         with_bare: bool = False) -> Found:
-    """Return what the tags of a model give.
-
-    step_s: of the physics. with_bare: whether sensors without a plugin count too. Settings without
-    a tag are absent. Leading slashes of names are removed. Of two drives, the first counts.
-    Raises SimulationError when a value cannot be read.
-    """
-    found = Found({}, [], [])
-    known: List[Tags] = []          # those that have read a part
-    of_readers: List[Values] = [{} for _ in readers]
-    for part in _parts(tags, readers, with_bare):
-        new = [reader for reader in part.readers if reader not in known]
-        for reader in part.readers:
-            if reader in new or reader.frame:
-                values = _values_in(part, reader, step_s)
-                if reader in new:
-                    of_readers[readers.index(reader)] = values
-                if reader.frame:
-                    found.sensors.append(_sensor(reader, values, part))
-                owner = part.plugin if part.sensor is None else part.sensor
-                if owner is not None and part.plugin is not None:
-                    found.not_simulated.extend(reader.not_simulated(owner))
-            else:
-                found.not_simulated.append('second ' + part.label)
-        if not part.readers:
-            found.not_simulated.append(part.label)
-        known += new
-    for values in of_readers:       # a drive comes first
-        found.values.update(values)
-    return found
-
-
-class _Part(NamedTuple):
-    """A plugin or a sensor with its plugin; readers: those that read it."""
-
-    readers: Sequence[Tags]
-    label: str
-    link: str
-    sensor: Optional[ElementTree.Element]
-    plugin: Optional[ElementTree.Element]
-
-
-def _sensor(reader: Tags, values: Values, part: _Part) -> SensorTag:
-    if part.sensor is None:
-        return SensorTag(reader, values, _place_of(part))
-    return SensorTag(reader, values, _place_of(part), name_of(part.sensor),
-                     part.sensor.get('type', ''), part.plugin is None)
-
-
-def _parts(tags: Sequence[Tag], readers: Sequence[Tags], with_bare: bool) -> Iterator[_Part]:
-    for link, element in tags:
-        for plugin in element.findall('plugin'):
-            of_plugin = [reader for reader in readers
-                         if not reader.needs_sensor and is_of(plugin, reader)]
-            yield _Part(of_plugin, _label(plugin, 'filename'), link, None, plugin)
-        for sensor in element.findall('sensor'):
-            yield from _sensor_parts(sensor, link, readers, with_bare)
-
-
-def _sensor_parts(sensor: ElementTree.Element, link: str, readers: Sequence[Tags],
-                  with_bare: bool) -> Iterator[_Part]:
-    plugins = sensor.findall('plugin')
-    camera = camera_values.plugin_of(sensor)
-    if camera is not None or with_bare and sensor.get('type') in camera_values.TYPES:
-        for plugin in plugins:
-            if plugin is not camera:
-                yield _Part((), _label(plugin, 'filename'), link, sensor, plugin)
-        return
-    of_type = [tags for tags in readers if sensor.get('type') in tags.sensors]
-    parts = [_Part([tags for tags in of_type if is_of(plugin, tags)],
-                   _label(plugin, 'filename'), link, sensor, plugin) for plugin in plugins]
-    # one without a plugin publishes nothing: the official burger has such an imu sensor in
-    # addition to the plugin that publishes
-    is_bare = not any(part.readers for part in parts)
-    if is_bare and with_bare and of_type:
-        yield _Part(of_type[:1], _label(sensor, 'type'), link, sensor, None)
-    elif is_bare and (plugins or not of_type):
-        yield _Part((), _label(sensor, 'type'), link, sensor, None)
-    yield from parts
-
-
-def _place_of(part: _Part) -> Optional[Frame]:
-    """Return where a sensor is; the plugins outside of sensors name the link."""
-    if part.sensor is None:
-        link = part.plugin is not None and text_of(part.plugin, 'bodyName')
-        return Frame(link, IDENTITY) if link else None
-    text, numbers = text_of(part.sensor, 'pose'), [0.0] * 6
-    if text:
-        numbers = read_numbers('<pose> of ' + _label(part.sensor, 'name'), text, 6).tolist()
-    return Frame(part.link, transform(numbers[:3], numbers[3:])) if part.link else None
-
-
 def is_of(plugin: ElementTree.Element, tags: Tags) -> bool:
     """Return whether a plugin is one of those that have the settings."""
     return any(word in plugin.get('filename', '') for word in tags.plugins)
 
 
-def _label(element: ElementTree.Element, attribute: str) -> str:
+def label(element: ElementTree.Element, attribute: str) -> str:
+    """Return what messages call a sensor or a plugin."""
     return '{} {}'.format(element.tag, element.get(attribute) or 'without ' + attribute)
 
 
-def _values_in(part: _Part, tags: Tags, step_s: float) -> Values:
+def values_in(tags: Tags, link: str, sensor: Optional[ElementTree.Element],
+              plugin: Optional[ElementTree.Element], step_s: float) -> Values:
+    """Return the settings that a sensor and its plugin give, or one alone, by name: SI units, and
+    periods that are whole steps.
+
+    link: of the tag. step_s: of the physics. Settings without a tag are absent. Leading slashes of
+    names are removed. Raises SimulationError when a value cannot be read.
+    """
     values: Values = {}
-    if tags.frame and part.link:
-        values[tags.frame] = part.link
+    if tags.frame and link:
+        values[tags.frame] = link
     for row in tags.rows:
-        owner = part.plugin if row.owner == 'plugin' else part.sensor
+        owner = plugin if row.owner == 'plugin' else sensor
         # one of a sensor without a text has the default, as for sdformat
         path = next((path for path in (row.path, row.other_path)
                      if owner is not None and path and owner.find(path) is not None
@@ -223,13 +104,13 @@ def _values_in(part: _Part, tags: Tags, step_s: float) -> Values:
                 elif row.reader is TOPIC:
                     value = _in_namespace(value, owner)
                 values[row.setting] = value
-    return {**_defaults_in(part, tags, step_s), **values}
+    return {**_defaults_in(tags, plugin, step_s), **values}
 
 
-def _defaults_in(part: _Part, tags: Tags, step_s: float) -> Values:
-    found: Values = dict(tags.bare) if part.plugin is None else {}
+def _defaults_in(tags: Tags, plugin: Optional[ElementTree.Element], step_s: float) -> Values:
+    found: Values = dict(tags.bare) if plugin is None else {}
     for word, defaults in tags.defaults.items():
-        if part.plugin is not None and word in part.plugin.get('filename', ''):
+        if plugin is not None and word in plugin.get('filename', ''):
             found.update(defaults)
     return {name: max(1, round(value / step_s)) * step_s if name.endswith('_period_s') else value
             for name, value in found.items()}
@@ -244,7 +125,7 @@ def _in_namespace(topic: str, plugin: ElementTree.Element) -> str:
 
 def _value(owner: ElementTree.Element, path: str, reader: Reader) -> Any:
     if reader.of_element:
-        return reader.read(owner.find(path), '{} of {}'.format(path, _label(owner, 'name')))
+        return reader.read(owner.find(path), '{} of {}'.format(path, label(owner, 'name')))
     text = text_of(owner, path)
     if reader is NAMES:
         text = ', '.join(filter(None, ((each.text or '').strip() for each in owner.findall(path))))
@@ -252,7 +133,7 @@ def _value(owner: ElementTree.Element, path: str, reader: Reader) -> Any:
         return reader.read(text)
     except (ValueError, KeyError):
         raise SimulationError('<{}> of {}: got {!r}, expected {}'.format(
-            path, _label(owner, 'name'), text, reader.expected))
+            path, label(owner, 'name'), text, reader.expected))
 
 
 def _number(text: str) -> float:

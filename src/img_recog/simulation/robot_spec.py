@@ -7,8 +7,7 @@ from typing import (Any, Callable, Iterator, List, Mapping, NamedTuple, Sequence
 from img_recog import rotations
 from img_recog.errors import SimulationError
 from img_recog.files import FindFile
-from img_recog.formats import (audit, camera_tags, drive_controllers, drive_tags, gazebo_tags,
-                               lumping, urdf as urdf_file)
+from img_recog.formats import audit, drive_controllers, drive_tags, lumping, urdf as urdf_file
 from img_recog.formats.audit import Finding
 from img_recog.formats.drive_controllers import FindControllers
 from img_recog.formats.meshes.mesh_file import READABLE
@@ -16,8 +15,8 @@ from img_recog.model import Model, Tree
 from img_recog.settings import SettingError, from_mapping
 from img_recog.simulation.names import Names
 from img_recog.simulation.physics import wheels
-from img_recog.simulation.sensors.sensor import (RobotSensor, SensorKind, numbered,
-                                                 sensors_of)
+from img_recog.simulation.sensors import in_files
+from img_recog.simulation.sensors.sensor import RobotSensor, SensorKind, numbered, sensors_of
 from img_recog.simulation.settings import (CameraSettings, DriveSettings, NoiseSettings,
                                            RobotSettings, SpawnSettings, names_in)
 
@@ -95,21 +94,20 @@ def read_robot(urdf: Union[str, ElementTree.Element], step_s: float, find: FindF
         model = lumping.lumped(urdf_file.read(root, find, controllers))
         drive = drive_tags.find(root, step_s, controllers)
         tags, unused = urdf_file.used_tags(root, model)
-        found = gazebo_tags.read(tags, step_s, (*([drive.tags] if drive else ()),
-                                                *(kind.read_tags for kind in kinds)))
-        cameras, of_cameras = camera_tags.read(tags, model.frames)
+        in_tags, sensors, not_simulated = in_files.read(tags, step_s, kinds,
+                                                        drive and drive.tags)
         findings = audit.merged([*audit.audit(root), *(Finding(
             audit.NOT_USED, 'the <gazebo> tag, as there is no such link,', (name,))
             for name in unused)])
         moving = [joint.name for joint in model.joints]
         stray = ['joint {} of a joint state publisher'.format(name) for name in names_in(
-            found.values.get('joint_states_joints', '')) if name not in moving]
-        of_tags = tuple(dict.fromkeys((*found.not_simulated, *of_cameras, *stray)))
+            in_tags.get('joint_states_joints', '')) if name not in moving]
+        of_tags = tuple(dict.fromkeys((*not_simulated, *stray)))
         of_controllers = drive.problems if drive else drive_controllers.not_simulated(
             root, drive_controllers.of_robot(root, controllers))
-        given = {**drive_controllers.joint_states(root, controllers, step_s), **found.values}
+        given = {**drive_controllers.joint_states(root, controllers, step_s), **in_tags}
         values = drive.settings(given) if drive else given
-        sensors = sensors_of(kinds, [*found.sensors, *cameras])
+        sensors = sensors_of(kinds, sensors)
         settings = _settings(model, sensors, values, read)
         return RobotSpec(
             source, model, settings, [each for each in sensors if each.name in settings.sensors],
@@ -133,17 +131,15 @@ def read_model(tree: Tree, step_s: float, kinds: Sequence[SensorKind],
     model = tree.model
     drive, source = drive_tags.of_model(model), 'model ' + model.name
     try:
-        found = gazebo_tags.read(model.tags, step_s, (
-            *([drive.tags] if drive else ()), *(kind.read_tags for kind in kinds)), with_bare)
-        cameras, of_cameras = camera_tags.read(model.tags, model.frames, with_bare)
+        in_tags, sensors, problems = in_files.read(model.tags, step_s, kinds,
+                                                   drive and drive.tags, with_bare)
         of_model = ['plugin ' + plugin.get('filename', '') for tag in model.tags if not tag.link
                     for plugin in tag.element.findall('plugin')]    # the audit names them
-        not_simulated = tuple(part for part in dict.fromkeys((*found.not_simulated, *of_cameras))
-                              if part not in of_model)
+        not_simulated = tuple(part for part in dict.fromkeys(problems) if part not in of_model)
         # what has a place is in a tag; the rest belongs to a drive
-        sensors = [each for each in sensors_of(kinds, [*found.sensors, *cameras])
+        sensors = [each for each in sensors_of(kinds, sensors)
                    if each.place is not None or drive and not each.kind.tags.frame]
-        values = drive.settings(found.values) if drive else found.values
+        values = drive.settings(in_tags) if drive else in_tags
         settings = _settings_of_tree(tree, sensors, values) if drive else RobotSettings(
             sensors={each.name: settings_in_tag(each) for each in sensors})
         return RobotSpec(

@@ -88,7 +88,7 @@ def test_several_pairs_of_wheels_in_ros_2():
     for diameter, problems in (('0.1', []), ('0.2', ['another <wheel_diameter> of a pair of '
                                                      'wheels'])):
         found = parsed.tags(urdf.format(tags.format(diameter)),
-                            readers=[drive_tags.DIFF_DRIVE.tags])
+                            drive=drive_tags.DIFF_DRIVE.tags)
         assert found.values == {'left_joint': 'a, b', 'right_joint': 'c, d',
                                 'wheel_diameter': 0.1}
         assert found.not_simulated == problems

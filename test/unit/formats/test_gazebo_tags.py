@@ -95,7 +95,7 @@ def imu_sensor(inside, noise='', rate='100'):
 
 
 def found(urdf, step_s=0.001):
-    return parsed.tags(urdf, step_s, (DIFF_DRIVE.tags, *(kind.tags for kind in SENSORS)))
+    return parsed.tags(urdf, step_s, DIFF_DRIVE.tags)
 
 
 def overrides(urdf, step_s=0.001):
@@ -262,7 +262,7 @@ def test_defaults_of_range_plugins():
 
 def test_what_the_plugin_of_kobuki_measures_is_listed():
     kobuki = next(row.tags for row in PLUGINS if 'gazebo_ros_kobuki' in row.tags.plugins)
-    assert parsed.tags(robot(gazebo(plugin('', 'gazebo_ros_kobuki'))), 0.001, [kobuki]
+    assert parsed.tags(robot(gazebo(plugin('', 'gazebo_ros_kobuki'))), drive=kobuki
                        ).not_simulated == [
         'bumpers, cliff sensors and inertial unit of plugin libgazebo_ros_kobuki.so']
 

@@ -5,12 +5,14 @@ from typing import Callable, NamedTuple
 import numpy as np
 
 from img_recog import rotations
+from img_recog.formats.gazebo_tags import Tags
 from img_recog.rotations import Transform, transform
 from img_recog.simulation.physics.framed_body import FramedBody
 from img_recog.simulation.sensors.sensor import Mount, Sensor
 from img_recog.simulation.settings import CameraSettings
 
 CAMERA = 'camera'       # the name of the row
+TAGS = Tags((), ())     # formats/camera_values.py reads them
 _MAX_TURN = 0.01        # rad; official robots have 1.57 in place of pi / 2
 
 

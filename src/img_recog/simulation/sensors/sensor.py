@@ -4,7 +4,7 @@ from typing import Any, Callable, List, NamedTuple, Optional, Sequence
 
 import numpy as np
 
-from img_recog.formats.gazebo_tags import SensorTag, Tags, Values
+from img_recog.formats.gazebo_tags import Tags, Values
 from img_recog.formats.noises import Noise
 from img_recog.model import Frame
 from img_recog.settings import nearest_period
@@ -122,8 +122,9 @@ class RobotSensor(NamedTuple):
     """A sensor of a robot.
 
     name: of its readings: for the first of a kind, that of the kind. number: among those of its
-    kind, from 0. values: the settings in its tag, by name. place: where its tag puts it; None if
-    it has none. label, type, is_bare: see SensorTag.
+    kind, from 0. values: the settings in its tag, by name, none for one without a tag. place:
+    where its tag puts it, None if nothing says it; label: its own name; type: of its <sensor>, ''
+    if it is a plugin alone; is_bare: whether it has no plugin that publishes what it measures.
     """
 
     name: str
@@ -141,17 +142,18 @@ class RobotSensor(NamedTuple):
         return self.number == 0 and not self.kind.only_in_tags
 
 
-def sensors_of(kinds: Sequence[SensorKind], tags: Sequence[SensorTag] = ()) -> List[RobotSensor]:
-    """Return the sensors that a robot can have, in the order of their kinds; tags: in its <gazebo>
-    tags. A kind without a tag has one for which settings are looked for elsewhere.
+def sensors_of(kinds: Sequence[SensorKind],
+               in_tags: Sequence[RobotSensor] = ()) -> List[RobotSensor]:
+    """Return the sensors that a robot can have, in the order of their kinds; in_tags: those of its
+    file. A kind that is not there has one for which settings are looked for elsewhere.
     """
     found = []
     for kind in kinds:
-        own = [tag for tag in tags if tag.tags is kind.tags]
+        own = [each for each in in_tags if each.kind is kind]
         if not own and not kind.only_in_tags:
             found.append(RobotSensor(kind.name, kind))
-        found += [RobotSensor(numbered(kind, number), kind, number, *tag[1:])
-                  for number, tag in enumerate(own)]
+        found += [each._replace(name=numbered(kind, number), number=number)
+                  for number, each in enumerate(own)]
     return found
 
 

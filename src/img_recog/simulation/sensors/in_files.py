@@ -1,0 +1,145 @@
+"""The sensors in the tags of a model, and the settings there of what it has once."""
+import xml.etree.ElementTree as ElementTree
+from typing import Dict, Iterator, List, NamedTuple, Optional, Sequence, Tuple
+
+from img_recog.formats import camera_values
+from img_recog.formats.gazebo_tags import Tags, Values, is_of, label, values_in
+from img_recog.formats.numbers import read_numbers
+from img_recog.formats.texts import name_of, text_of
+from img_recog.model import Frame, Tag
+from img_recog.rotations import IDENTITY, transform
+from img_recog.simulation.sensors.sensor import RobotSensor, SensorKind
+
+
+class _Part(NamedTuple):
+    """A plugin or a sensor with its plugin; readers: the numbers of those that read it."""
+
+    readers: Sequence[int]
+    label: str
+    link: str
+    sensor: Optional[ElementTree.Element]
+    plugin: Optional[ElementTree.Element]
+
+
+def read(tags: Sequence[Tag], step_s: float, kinds: Sequence[SensorKind],
+         drive: Optional[Tags] = None, with_bare: bool = False
+         ) -> Tuple[Values, List[RobotSensor], List[str]]:
+    """Return what the tags of a model give.
+
+    That is the settings for what is there once and for the first sensor of each kind, by name; the
+    sensors in the order of the file; and what is not simulated: each is 'plugin FILENAME' or
+    'sensor TYPE', after the word 'second' where it is a duplicate.
+
+    step_s: of the physics. kinds: of the sensors that count. drive: where those of a drive are.
+    with_bare: whether sensors without a plugin count too. Of two drives, the first counts.
+    Raises SimulationError when a value cannot be read.
+    """
+    readers: List[Tuple[Tags, Optional[SensorKind]]] = [(drive, None)] if drive else []
+    readers += [(kind.read_tags, kind) for kind in kinds]
+    sensors: List[RobotSensor] = []
+    problems: List[str] = []
+    of_readers: Dict[int, Values] = {}          # of those that have read a part
+    for part in _parts(tags, [reader for reader, _ in readers], with_bare):
+        new = [number for number in part.readers if number not in of_readers]
+        for number in part.readers:
+            reader, kind = readers[number]
+            if number not in new and not reader.frame:
+                problems.append('second ' + part.label)
+                continue
+            values = values_in(reader, part.link, part.sensor, part.plugin, step_s)
+            of_readers.setdefault(number, values)
+            if kind is not None and reader.frame and not kind.missing:
+                sensors.append(_sensor(kind, values, part))
+            owner = part.plugin if part.sensor is None else part.sensor
+            if owner is not None and part.plugin is not None:
+                problems.extend(reader.not_simulated(owner))
+        if not part.readers:
+            problems.append(part.label)
+    for kind in kinds:
+        if kind.is_drawn:
+            _add_cameras(tags, kind, with_bare, sensors, problems)
+    # a drive comes first
+    values = {name: value for number in sorted(of_readers)
+              for name, value in of_readers[number].items()}
+    return values, sensors, problems
+
+
+def _sensor(kind: SensorKind, values: Values, part: _Part) -> RobotSensor:
+    if part.sensor is None:
+        return RobotSensor(kind.name, kind, values=values, place=_place_of(part))
+    return RobotSensor(kind.name, kind, 0, values, _place_of(part), name_of(part.sensor),
+                       part.sensor.get('type', ''), part.plugin is None)
+
+
+def _parts(tags: Sequence[Tag], readers: Sequence[Tags], with_bare: bool) -> Iterator[_Part]:
+    for link, element in tags:
+        for plugin in element.findall('plugin'):
+            of_plugin = [number for number, reader in enumerate(readers)
+                         if not reader.needs_sensor and is_of(plugin, reader)]
+            yield _Part(of_plugin, label(plugin, 'filename'), link, None, plugin)
+        for sensor in element.findall('sensor'):
+            yield from _sensor_parts(sensor, link, readers, with_bare)
+
+
+def _sensor_parts(sensor: ElementTree.Element, link: str, readers: Sequence[Tags],
+                  with_bare: bool) -> Iterator[_Part]:
+    plugins = sensor.findall('plugin')
+    camera = camera_values.plugin_of(sensor)
+    if camera is not None or with_bare and sensor.get('type') in camera_values.TYPES:
+        for plugin in plugins:
+            if plugin is not camera:
+                yield _Part((), label(plugin, 'filename'), link, sensor, plugin)
+        return
+    of_type = [number for number, reader in enumerate(readers)
+               if sensor.get('type') in reader.sensors]
+    parts = [_Part([number for number in of_type if is_of(plugin, readers[number])],
+                   label(plugin, 'filename'), link, sensor, plugin) for plugin in plugins]
+    # one without a plugin publishes nothing: the official burger has such an imu sensor in
+    # addition to the plugin that publishes
+    is_bare = not any(part.readers for part in parts)
+    if is_bare and with_bare and of_type:
+        yield _Part(of_type[:1], label(sensor, 'type'), link, sensor, None)
+    elif is_bare and (plugins or not of_type):
+        yield _Part((), label(sensor, 'type'), link, sensor, None)
+    yield from parts
+
+
+def _place_of(part: _Part) -> Optional[Frame]:
+    """Return where a sensor is; the plugins outside of sensors name the link."""
+    if part.sensor is None:
+        link = part.plugin is not None and text_of(part.plugin, 'bodyName')
+        return Frame(link, IDENTITY) if link else None
+    text, numbers = text_of(part.sensor, 'pose'), [0.0] * 6
+    if text:
+        numbers = read_numbers('<pose> of ' + label(part.sensor, 'name'), text, 6).tolist()
+    return Frame(part.link, transform(numbers[:3], numbers[3:])) if part.link else None
+
+
+def _add_cameras(tags: Sequence[Tag], kind: SensorKind, with_bare: bool,
+                 sensors: List[RobotSensor], problems: List[str]) -> None:
+    """Add the cameras; of two with a topic of the same name, the first one counts."""
+    owners: Dict[str, str] = {}         # of topics
+    for link, sensor in ((tag.link, sensor) for tag in tags
+                         for sensor in tag.element.findall('sensor')):
+        plugin, name = camera_values.plugin_of(sensor), name_of(sensor)
+        is_bare = plugin is None
+        if is_bare and not (with_bare and sensor.get('type') in camera_values.TYPES):
+            continue
+        if not link:
+            problems.append('sensor {}, because its <gazebo> tag has no reference'.format(name))
+            continue
+        plugin = ElementTree.Element('plugin') if plugin is None else plugin
+        problems += ['{} of sensor {}'.format(each, name)
+                     for each in camera_values.not_simulated(sensor, plugin)]
+        for values in camera_values.of_sensor(sensor, plugin):
+            topics = [] if is_bare else [value for setting, value in values.items()
+                                         if setting.endswith('_topic')]
+            taken = next((topic for topic in topics if topic in owners), None)
+            if taken is not None:
+                problems.append('sensor {}, because its topic {} is one of sensor {}'.format(
+                    name, taken, owners[taken]))
+                continue
+            owners.update(dict.fromkeys(topics, name))
+            sensors.append(RobotSensor(kind.name, kind, 0, {'camera_frame': link, **values},
+                                       Frame(link, IDENTITY), name, sensor.get('type', ''),
+                                       is_bare))
