@@ -56,8 +56,8 @@ class Vehicle(Carrier):
 
     @property
     def odometry(self) -> OdometrySettings:
-        """The settings of the odometry."""
-        return cast(OdometrySettings, self.settings.sensors['odometry'])
+        """The settings of the odometry, the defaults for a robot without one."""
+        return cast(OdometrySettings, self.settings.sensors.get('odometry', OdometrySettings()))
 
     @property
     def odometry_origin(self) -> Tuple[float, float, float]:

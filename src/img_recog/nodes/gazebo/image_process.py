@@ -3,7 +3,7 @@ import math
 import multiprocessing
 import threading
 import time
-from typing import Callable, List, Optional, Sequence, Set
+from typing import Callable, List, Optional, Sequence, Set, Tuple
 
 import numpy as np
 import rospy
@@ -33,7 +33,7 @@ class ImageProcess:
 
     They come back through memory that both processes share. It is not a file: nothing is left
     over when a process is killed. A process that dies or hangs is replaced by the next `start`,
-    unless three in a row have not drawn. has_lost: whether the last request of `draw` was lost so.
+    unless three in a row have not drawn.
 
     `report` may be called in any thread, the other methods in that of the simulation.
     """
@@ -50,8 +50,8 @@ class ImageProcess:
         self._thread: Optional[threading.Thread] = None
         self._condition = threading.Condition()
         self._is_ready = self._is_busy = self._has_ended = self._is_scene_new = False
-        self.has_lost = False
         self._request, self._requested_s = Request([], poses), 0.0
+        self._lost: Optional[Tuple[Request, Publish]] = None
         self._publish: Optional[Publish] = None
         self._failures = 0
         self._said: Set[str] = set()
@@ -122,7 +122,8 @@ class ImageProcess:
 
     def _drop(self) -> None:
         """Use another process from the next `start` on; the thread of this one ends it."""
-        self.has_lost |= self._is_busy and self._publish is not None
+        if self._is_busy and self._publish is not None and self._lost is None:
+            self._lost = self._request, self._publish
         self._helper, self._is_ready, self._is_busy = None, False, False
 
     def draw(self, shots: Sequence[Shot], poses: np.ndarray, publish: Publish) -> None:
@@ -132,10 +133,21 @@ class ImageProcess:
         it returns.
         """
         with self._condition:
-            self.has_lost = True
-            if self.is_ready and self._wait_idle() and self._helper is not None:
-                self.has_lost = False
-                self._send(self._helper, Request(shots, poses), publish)
+            self._lost = Request(shots, poses), publish
+        self.draw_again()
+
+    @property
+    def has_lost(self) -> bool:
+        """Whether the last request of `draw` was lost with a process."""
+        return self._lost is not None
+
+    def draw_again(self) -> None:
+        """Draw what was lost."""
+        with self._condition:
+            if self.is_ready and self._wait_idle() and self._helper is not None and self._lost:
+                request, publish = self._lost
+                self._lost = None
+                self._send(self._helper, request, publish)
 
     def _send(self, helper: HelperProcess, request: Request,
               publish: Optional[Publish] = None) -> None:

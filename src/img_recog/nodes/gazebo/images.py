@@ -1,7 +1,7 @@
 """All images of the node: of the cameras on robots, of the view, and of the window."""
 import itertools
 import threading
-from typing import Callable, Dict, List, NamedTuple, Optional, Sequence, Tuple, Union
+from typing import Callable, Dict, List, Optional, Sequence, Tuple, Union
 
 import numpy as np
 import rospy
@@ -27,15 +27,6 @@ from img_recog.simulation.simulator import Simulator
 
 # Where OpenGL runs on the processor, the physics comes first; in lockstep, it waits.
 _NICENESS = 5
-
-
-class _Exposed(NamedTuple):
-    """What the cameras with these topics have read at one time, to be drawn at `poses`."""
-
-    topics: Sequence[CameraTopics]
-    shots: Sequence[Shot]
-    poses: np.ndarray
-    time_s: float
 
 
 class Images:
@@ -67,12 +58,10 @@ class Images:
         self._cameras: Dict[Tuple[str, str], Tuple[Carrier, CameraTopics]] = {}
         self._last_poses, self._last_poses_s = self._parts.poses(), -1.0
         self._is_view_due = False
-        self._newest: Optional[_Exposed] = None         # what cameras have read last
+        self._exposures = 0         # how often cameras have read; those that are read together
         self._others_are_published = threading.Event()
         self._others_are_published.set()
-        # written by the thread that publishes
-        self._drawn: Optional[_Exposed] = None
-        self._published: Optional[_Exposed] = None
+        self._drawn = self._published = 0       # of these, by the thread that publishes
 
     def add_cameras(self, vehicle: Carrier, names: Names) -> None:
         """Draw the cameras of a robot; publish where those are that its URDF does not have.
@@ -157,15 +146,15 @@ class Images:
 
         Those that were lost with the process are drawn again.
         """
-        return self._published is self._newest or self._cannot_draw()
+        return self._published == self._exposures or self._cannot_draw()
 
     def are_drawn(self) -> bool:
         """Return what `is_complete` returns, but already when their publication begins."""
-        return self._drawn is self._newest or self._cannot_draw()
+        return self._drawn == self._exposures or self._cannot_draw()
 
     def _cannot_draw(self) -> bool:
-        if self._newest is not None and self._process.has_lost and not self.is_loading():
-            self._draw(self._newest)
+        if self._process.has_lost and not self.is_loading():
+            self._process.draw_again()
         return not (self._process.is_ready or self._process.is_loading)
 
     def draw(self, readings: Sequence[Reading], publish_others: Callable[[], None]) -> None:
@@ -194,8 +183,8 @@ class Images:
             return
         topics = [self._cameras[each.robot, each.sensor][1] for each in readings]
         shots = [camera.shot(each.value) for camera, each in zip(topics, readings)]
-        self._newest = _Exposed(topics, shots, readings[0].value.poses, readings[0].time_s)
-        self._draw(self._newest)
+        self._exposures += 1
+        self._draw(topics, shots, readings[0].value.poses, readings[0].time_s)
 
     def update_view(self) -> None:
         """Draw the view, if it is time for an image of it and nothing else is drawn."""
@@ -205,7 +194,7 @@ class Images:
         if self._process.is_ready and self._view.take_due():
             self._is_view_due = True
             if self.is_complete() and not self._process.is_busy:
-                self._draw(_Exposed([], [], self._parts.poses(), self._simulator.time_s))
+                self._draw([], [], self._parts.poses(), self._simulator.time_s)
 
     def update_window(self) -> None:
         """Send the poses to the window, if there is one and it needs new ones."""
@@ -216,10 +205,11 @@ class Images:
             rospy.logwarn('no window: %s; the simulation goes on without it', reason)
             self._window = None
 
-    def _draw(self, exposed: _Exposed) -> None:
+    def _draw(self, topics: Sequence[CameraTopics], shots: Sequence[Shot], poses: np.ndarray,
+              time_s: float) -> None:
         """Draw what cameras have read, with the view if it is due."""
-        topics, shots = exposed.topics, exposed.shots
         publishers: List[Union[CameraTopics, ViewTopic]] = list(topics)
+        exposures = self._exposures
         if self._is_view_due:
             self._is_view_due = False
             publishers, shots = [*topics, self._view], [*shots, self._view.shot(self._simulator)]
@@ -227,15 +217,15 @@ class Images:
         def publish(pictures: Sequence[Picture]) -> None:
             if topics:
                 self._others_are_published.wait()
-                self._drawn = exposed
+                self._drawn = exposures
                 if self._lockstep is not None:
                     self._lockstep.notify_sent()
             for each, picture in zip(publishers, pictures):
-                each.publish(picture, exposed.time_s)
+                each.publish(picture, time_s)
             if topics:
-                self._published = exposed
+                self._published = exposures
                 self._wake()
-        self._process.draw(shots, exposed.poses, publish)
+        self._process.draw(shots, poses, publish)
 
     def set_view(self, view: str) -> None:
         """Show the view from another viewpoint, one of VIEWS."""
