@@ -6,7 +6,7 @@ from typing import Callable, Optional
 
 import numpy as np
 
-from img_recog.camera.pacing import Pacer, RateLimit
+from img_recog.camera.frame_pacing import Pacer, RateLimit
 from img_recog.camera.source import FrameSkipped, FrameSource, SourceEnded, SourceError
 
 FIRST_RETRY_S, LAST_RETRY_S = 0.5, 5.0

@@ -6,7 +6,7 @@ from typing import Callable, Deque, Optional, Tuple
 import numpy as np
 
 from img_recog.camera.decoder import Decoder, open_decoder, released_on_error
-from img_recog.camera.pacing import FrameTimes
+from img_recog.camera.frame_pacing import FrameTimes
 from img_recog.camera.source import (FrameSkipped, FrameSource, SourceEnded, SourceError,
                                      check_size)
 from img_recog.camera.urls import redacted

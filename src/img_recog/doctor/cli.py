@@ -5,7 +5,7 @@ from typing import Callable, Iterator, List, Optional, Sequence
 
 from img_recog.command_line import programs
 from img_recog.command_line.messages import message
-from img_recog.doctor import machine, running
+from img_recog.doctor import machine, running_system
 from img_recog.doctor.machine import Finding
 
 Check = Callable[[], Iterator[Finding]]
@@ -24,7 +24,7 @@ def _check(words: List[str], _: object) -> str:
                         help='check the computer alone, while nothing runs')
     checks: List[Check] = [*machine.CHECKS]
     if not parser.parse_args(words).machine:
-        checks.append(running.check_running)
+        checks.append(running_system.check_running)
     counts = [0, 0]
     # one by one, as each check takes a while
     for found in dict.fromkeys(itertools.chain.from_iterable(check() for check in checks)):

@@ -10,7 +10,7 @@ from av.error import FFmpegError
 from std_msgs.msg import Header
 
 from img_recog.camera.decoder import Decoder
-from img_recog.camera.pacing import FrameTimes
+from img_recog.camera.frame_pacing import FrameTimes
 from img_recog.camera.settings import CameraSettings
 from img_recog.camera.source import FrameSkipped, check_size
 from img_recog.formats.still_images import DEFAULT_MAX_PIXELS

@@ -33,8 +33,8 @@ from img_recog.conversions import color_detection_msgs, twist_msgs
 from img_recog.conversions.image_msgs import ImageError
 from img_recog.formats.still_images import ALLOWED_MAX_PIXELS, DEFAULT_MAX_PIXELS
 from img_recog.nodes import color_parameters
-from img_recog.nodes.color_extract import inputs
-from img_recog.nodes.color_extract.diagnostics import RecognitionDiagnostics
+from img_recog.nodes.color_extract import image_inputs
+from img_recog.nodes.color_extract.recognition_diagnostics import RecognitionDiagnostics
 from img_recog.recognition import overlay, parameter_file
 from img_recog.recognition.areas import ColorExtractor
 from img_recog.recognition.commands import Command, Commander
@@ -64,7 +64,7 @@ class InputSettings(Settings):
     max_image_pixels: an image with more pixels is refused, a compressed one before it is decoded.
     """
 
-    image_transport: str = setting('raw', one_of(*inputs.TRANSPORTS))
+    image_transport: str = setting('raw', one_of(*image_inputs.TRANSPORTS))
     colors_file: str = setting('')
     max_image_pixels: int = setting(DEFAULT_MAX_PIXELS, ALLOWED_MAX_PIXELS)
 
@@ -98,8 +98,8 @@ class ColorExtract:
         lifecycle.on_shutdown(self._shutdown)
         Reconfigurable(settings, self._configure)
         with self._frame_lock:      # images may come before it returns
-            self._input = inputs.subscribe(transport, _CAMERA, counts, given.max_image_pixels,
-                                           self.process)
+            self._input = image_inputs.subscribe(
+                transport, _CAMERA, counts, given.max_image_pixels, self.process)
         lifecycle.on_shutdown(self._input.wake)
         NodeDiagnostics('recognition', 'none', counts.report)
 

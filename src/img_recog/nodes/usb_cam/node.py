@@ -26,15 +26,15 @@ from img_recog import files
 from img_recog.camera import selection, urls
 from img_recog.camera.controls import SETTINGS
 from img_recog.camera.capture import Capture, Listener
-from img_recog.camera.pacing import Stamps
+from img_recog.camera.frame_pacing import Stamps
 from img_recog.camera.settings import CameraSettings, ControlSettings, intrinsic_controls
 from img_recog.camera.source import FrameSource
 from img_recog.conversions.compressed_image_msgs import CompressionSettings
 from img_recog.errors import named_in_crashes
 from img_recog.nodes.compressed_images import CompressedImages
-from img_recog.nodes.usb_cam.calibration import CameraCalibration
-from img_recog.nodes.usb_cam.controls import CameraControls
-from img_recog.nodes.usb_cam.diagnostics import CameraDiagnostics
+from img_recog.nodes.usb_cam.camera_info import CameraCalibration
+from img_recog.nodes.usb_cam.device_controls import CameraControls
+from img_recog.nodes.usb_cam.camera_diagnostics import CameraDiagnostics
 from img_recog.ros import lifecycle, parameters
 from img_recog.ros.diagnostics import NodeDiagnostics, add_counter
 from img_recog.ros.log.throttle import ThrottledWarning

@@ -8,7 +8,7 @@ from nicegui import ui
 
 from img_recog.nodes.web import sample_card
 from img_recog.nodes.web.color_tuning import ColorTuning, color_names_in
-from img_recog.nodes.web.elements import OneCall, Slider, button, card, paragraph, picture
+from img_recog.nodes.web.page_elements import OneCall, Slider, button, card, paragraph, picture
 from img_recog.nodes.web.sample_card import SampleCard
 from img_recog.nodes.web.visit import Visit
 from img_recog.recognition.fitting.samples import NO_COLOR

@@ -5,8 +5,8 @@ from typing import Any, Dict, Iterable, Sequence, Tuple
 
 from nicegui import app, ui
 
-from img_recog.nodes.web import drive_picture, simulation
-from img_recog.nodes.web.elements import (
+from img_recog.nodes.web import drive_picture, simulation_service
+from img_recog.nodes.web.page_elements import (
     OneCall, Slider, button, card, paragraph, picture, wait_for)
 from img_recog.nodes.web.visit import Visit
 
@@ -167,7 +167,7 @@ class LiveTab:
                 for action, key, icon in (('pause_physics', 'pause', 'pause'),
                                           ('unpause_physics', 'resume', 'play_arrow'),
                                           ('reset_world', 'reset_world', 'replay')):
-                    button(icon, self._t(key), partial(wait_for, simulation.call, action))
+                    button(icon, self._t(key), partial(wait_for, simulation_service.call, action))
                 self._record_button = button('fiber_manual_record', self._t('record'),
                                              self._record)
             self._drive_picture = ui.link(self._t('drive_picture'), new_tab=True)

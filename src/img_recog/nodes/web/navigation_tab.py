@@ -3,7 +3,7 @@ from typing import Any
 
 from nicegui import ui
 
-from img_recog.nodes.web.elements import card, paragraph, wait_for
+from img_recog.nodes.web.page_elements import card, paragraph, wait_for
 from img_recog.nodes.web.visit import Visit
 
 TEXTS = {

@@ -17,7 +17,7 @@ from img_recog import rotations
 from img_recog.conversions import plane_msgs
 from img_recog.conversions.plane_msgs import PlanePose
 from img_recog.nodes.web.measurements import Topic, Topics, number, rounded
-from img_recog.nodes.web.simulation import place_to_msg
+from img_recog.nodes.web.simulation_service import place_to_msg
 from img_recog.ros.log.throttle import ThrottledWarning
 
 try:

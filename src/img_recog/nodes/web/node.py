@@ -37,7 +37,7 @@ from img_recog.nodes.web.authentication import Authentication
 from img_recog.nodes.web.feed import Feed
 from img_recog.nodes.web.measurements import SystemTopics
 from img_recog.nodes.web.pictures import PictureTopics
-from img_recog.nodes.web.server import Server, address, listen, report_errors
+from img_recog.nodes.web.page_server import Server, address, listen, report_errors
 from img_recog.nodes.web.settings import WebSettings
 from img_recog.nodes.web.shown_robot import resolve
 from img_recog.nodes.web.shown_robots import ShownRobots

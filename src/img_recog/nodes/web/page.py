@@ -13,9 +13,9 @@ from fastapi import FastAPI, Request
 from fastapi.staticfiles import StaticFiles
 from nicegui import Client, run, ui
 
-from img_recog.nodes.web import texts
+from img_recog.nodes.web import page_texts
 from img_recog.nodes.web.tabs import TABS
-from img_recog.nodes.web.texts import Texts
+from img_recog.nodes.web.page_texts import Texts
 from img_recog.nodes.web.visit import Shared, Visit
 
 _STATIC = os.path.join(os.path.dirname(os.path.abspath(__file__)), 'static')
@@ -34,7 +34,7 @@ def build(app: FastAPI, shared: Shared) -> None:
 
     @ui.page('/')
     async def index(request: Request) -> None:
-        language = texts.language_of(request.headers.get('accept-language', ''))
+        language = page_texts.language_of(request.headers.get('accept-language', ''))
         robot = await run.io_bound(shared.robots.get, request.query_params.get('robot', ''))
         pictures = await run.io_bound(robot.picture_topics)
         _Page(Visit(shared, robot, texts_in(language), pictures))
@@ -56,7 +56,7 @@ def _keep_few(waiting: List[Client], client: Client) -> None:
 
 def texts_in(language: str) -> Texts:
     """Return the texts of the page and of all tabs."""
-    return Texts(language, texts.COMMON, *(tab.texts for tab in TABS))
+    return Texts(language, page_texts.COMMON, *(tab.texts for tab in TABS))
 
 
 class _Page:

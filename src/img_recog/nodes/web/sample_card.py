@@ -8,7 +8,7 @@ from typing import Any, Callable
 from nicegui import ui
 
 from img_recog.nodes.web.color_samples import State
-from img_recog.nodes.web.elements import OneCall, button, card, paragraph, wait_for
+from img_recog.nodes.web.page_elements import OneCall, button, card, paragraph, wait_for
 from img_recog.nodes.web.visit import Visit
 from img_recog.recognition.fitting.bounds import as_parameters
 from img_recog.recognition.fitting.marked import SAMPLES_FILE

@@ -10,7 +10,7 @@ from img_recog.nodes.web.driving import Driving
 from img_recog.nodes.web.measurements import RobotTopics, Topics
 from img_recog.nodes.web.navigation_topics import NavigationTopics
 from img_recog.nodes.web.pictures import PictureTopics
-from img_recog.nodes.web.simulation import PosePublisher
+from img_recog.nodes.web.simulation_service import PosePublisher
 from img_recog.recognition.parameter_file import COLORS, IMAGE_TOPIC
 from img_recog.recognition.settings import DEFAULT_COLORS, color_names
 from img_recog.ros import parameters, timed_xmlrpc

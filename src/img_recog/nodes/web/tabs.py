@@ -4,7 +4,7 @@ from typing import Any, Callable, NamedTuple, Optional
 from fastapi import FastAPI
 
 from img_recog.nodes.web import (
-    colors_tab, graph_tab, live_tab, log_tab, navigation_tab, nodes_tab, texts)
+    colors_tab, graph_tab, live_tab, log_tab, navigation_tab, nodes_tab, page_texts)
 from img_recog.nodes.web.measurements import Source
 from img_recog.nodes.web.visit import Visit
 
@@ -19,7 +19,7 @@ class Tab(NamedTuple):
     """
 
     name: str
-    texts: texts.TextTable
+    texts: page_texts.TextTable
     add: Callable[[Visit], Any]
     update: Optional[Callable[[Any], None]] = None
     topics: Optional[Source] = None

@@ -3,7 +3,7 @@ from typing import List, NamedTuple
 
 from img_recog.nodes.web.shown_robot import PictureTopic, ShownRobot
 from img_recog.nodes.web.shown_robots import ShownRobots
-from img_recog.nodes.web.texts import Texts
+from img_recog.nodes.web.page_texts import Texts
 from img_recog.nodes.web.tuning import Tuning
 from img_recog.processes.bag_recording import Recorder
 

@@ -11,7 +11,7 @@ from std_msgs.msg import Header
 from img_recog.camera import calibration
 from img_recog.camera.calibration import Calibration
 from img_recog.camera.settings import CameraSettings
-from img_recog.nodes.usb_cam import calibration as camera_calibration
+from img_recog.nodes.usb_cam import camera_info
 from img_recog.ros import parameters
 from img_recog.settings import ParameterError
 
@@ -44,7 +44,7 @@ class FakeRos:
 def ros(monkeypatch):
     """A FakeRos instead of rospy."""
     fake = FakeRos()
-    monkeypatch.setattr(camera_calibration, 'rospy', fake)
+    monkeypatch.setattr(camera_info, 'rospy', fake)
     return fake
 
 
@@ -56,7 +56,7 @@ def make(ros, tmp_path, monkeypatch):
         monkeypatch.setattr(parameters, 'rospy', SimpleNamespace(
             get_param=lambda *_: {'camera_info_url': url},
             resolve_name=lambda name: name.replace('~', '/usb_cam/')))
-        calibration = camera_calibration.CameraCalibration(
+        calibration = camera_info.CameraCalibration(
             CameraSettings(camera_info_url=url, **settings))
         calibration.serve()
         return calibration
@@ -108,7 +108,7 @@ def test_calibration_that_is_broken_or_of_another_camera_is_one_line(
 
 def test_calibration_urls(monkeypatch, tmp_path):
     monkeypatch.setenv('ROS_HOME', str(tmp_path))
-    path_of_url, default = camera_calibration.path_of_url, str(tmp_path / 'camera_info/front.yaml')
+    path_of_url, default = camera_info.path_of_url, str(tmp_path / 'camera_info/front.yaml')
     for url, path in (('', default), ('file://${ROS_HOME}/camera_info/${NAME}.yaml', default),
                       ('file:///a/b.yaml', '/a/b.yaml'),
                       ('file://b.yaml', os.path.join(os.environ['PWD'], 'b.yaml'))):

@@ -4,15 +4,15 @@ from types import SimpleNamespace
 import pytest
 
 from img_recog.camera.settings import ControlSettings
-from img_recog.nodes.usb_cam import controls as camera_controls
-from img_recog.nodes.usb_cam.controls import CameraControls
+from img_recog.nodes.usb_cam import device_controls
+from img_recog.nodes.usb_cam.device_controls import CameraControls
 
 
 @pytest.fixture
 def lines(monkeypatch):
     """The lines of the log, with their levels."""
     logged = []
-    monkeypatch.setattr(camera_controls, 'rospy', SimpleNamespace(
+    monkeypatch.setattr(device_controls, 'rospy', SimpleNamespace(
         loginfo=lambda text, *values: logged.append(('info', text % values)),
         logwarn=lambda text, *values: logged.append(('warn', text % values))))
     return logged

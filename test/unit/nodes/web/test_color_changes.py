@@ -3,7 +3,7 @@ import asyncio
 
 import pytest
 
-from img_recog.nodes.web import elements
+from img_recog.nodes.web import page_elements
 from img_recog.nodes.web.colors_tab import ColorChanges
 
 
@@ -31,7 +31,7 @@ def wait_for(monkeypatch):
     async def wait_for(function, *arguments):
         await asyncio.sleep(0)
         return function(*arguments)
-    monkeypatch.setattr(elements, 'wait_for', wait_for)
+    monkeypatch.setattr(page_elements, 'wait_for', wait_for)
 
 
 def test_sliders_and_uses_are_taken_back_one_by_one():

@@ -8,7 +8,7 @@ from nicegui import run, ui
 
 from img_recog.errors import UserError, one_line
 from img_recog.nodes.web.shown_robot import PictureTopic
-from img_recog.nodes.web.texts import Texts
+from img_recog.nodes.web.page_texts import Texts
 
 _SLIDER_THROTTLE_S = 0.05
 SETTLE_S = 1.0         # a slider that is moved is ahead of its value for this time

@@ -2,8 +2,8 @@
 import pytest
 from sensor_msgs.msg import Image
 
-from img_recog.nodes.color_extract import inputs
-from img_recog.nodes.color_extract.diagnostics import RecognitionDiagnostics
+from img_recog.nodes.color_extract import image_inputs
+from img_recog.nodes.color_extract.recognition_diagnostics import RecognitionDiagnostics
 
 
 class FakeSubscriber:
@@ -21,11 +21,12 @@ class Node:
 
     def __init__(self, monkeypatch):
         made = []
-        monkeypatch.setattr(inputs, 'ImageSubscriber',
+        monkeypatch.setattr(image_inputs, 'ImageSubscriber',
                             lambda *words: made.append(FakeSubscriber(*words)) or made[0])
         self.now_s, self.seconds, self.is_free, self.processed = 100.0, 0.0, True, []
         self.counts = RecognitionDiagnostics('/image')
-        self.input = inputs.RawInput('/image', self.counts, 12, self.process, lambda: self.now_s)
+        self.input = image_inputs.RawInput('/image', self.counts, 12, self.process,
+                                           lambda: self.now_s)
         self.subscriber, = made
         self.receive = self.subscriber.receive
 

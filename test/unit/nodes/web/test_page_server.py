@@ -8,8 +8,8 @@ import urllib.request
 import pytest
 
 from img_recog.errors import UserError
-from img_recog.nodes.web import server
-from img_recog.nodes.web.server import Server, address, listen
+from img_recog.nodes.web import page_server
+from img_recog.nodes.web.page_server import Server, address, listen
 from img_recog_helpers.waiting import DEADLINE_S, wait_for
 
 
@@ -55,7 +55,7 @@ def test_an_address_of_another_computer(host):
 
 
 def test_all_ports_taken(monkeypatch):
-    monkeypatch.setattr(server, 'PORTS', 1)
+    monkeypatch.setattr(page_server, 'PORTS', 1)
     with listen('127.0.0.1', 0) as taken:
         with pytest.raises(UserError, match='ports .*: Address already in use'):
             listen('127.0.0.1', taken.getsockname()[1])
@@ -64,7 +64,7 @@ def test_all_ports_taken(monkeypatch):
 def test_a_port_that_only_root_may_use(monkeypatch):
     def refuse(*_, **__):
         raise PermissionError(13, 'Permission denied')
-    monkeypatch.setattr(server.socket, 'create_server', refuse)
+    monkeypatch.setattr(page_server.socket, 'create_server', refuse)
     with pytest.raises(UserError, match='ports 80 to 90: Permission denied; set web_port to a '
                        'port from 1024 on'):
         listen('127.0.0.1', 80)
@@ -85,7 +85,7 @@ def test_the_address_for_a_browser(host, port, shown):
 
 def test_what_libraries_log_as_errors_is_reported(capfd):
     reported = []
-    server.report_errors(reported.append)
+    page_server.report_errors(reported.append)
     logger = logging.getLogger('engineio.server')
     try:
         raise ValueError('bad packet')
@@ -148,7 +148,7 @@ def test_what_is_endless_is_ended_and_others_are_served(serve, begin, piece):
 
 
 def test_too_many_connections(serve, monkeypatch):
-    monkeypatch.setattr(server, 'MAX_CONNECTIONS', 3)
+    monkeypatch.setattr(page_server, 'MAX_CONNECTIONS', 3)
     address_of = serve()
     url = 'http://{}:{}/'.format(*address_of)
     with connections(address_of) as connect:
@@ -167,7 +167,7 @@ def status(url):
 
 
 def test_a_server_answers_until_it_is_closed(monkeypatch):
-    monkeypatch.setattr(server, 'END_TIMEOUT_S', DEADLINE_S)       # a busy machine needs longer
+    monkeypatch.setattr(page_server, 'END_TIMEOUT_S', DEADLINE_S)   # for a busy machine
     failures, sock = [], listen('127.0.0.1', free_port())
     url = 'http://127.0.0.1:{}/'.format(sock.getsockname()[1])
     running = Server(hello, sock, failures.append)

@@ -5,8 +5,8 @@ import pytest
 from nicegui import Client, ui
 from nicegui.events import GenericEventArguments
 
-from img_recog.nodes.web import elements
-from img_recog.nodes.web.elements import OneCall, Slider
+from img_recog.nodes.web import page_elements
+from img_recog.nodes.web.page_elements import OneCall, Slider
 
 
 class Visitor:
@@ -30,7 +30,7 @@ class Visitor:
 @pytest.fixture
 def visitor(monkeypatch):
     """A visitor whose moves are settled at once."""
-    monkeypatch.setattr(elements, 'SETTLE_S', 0.0)
+    monkeypatch.setattr(page_elements, 'SETTLE_S', 0.0)
     return Visitor(monkeypatch)
 
 
@@ -41,7 +41,7 @@ def test_an_answer_of_the_node_does_not_move_a_slider_back(visitor):
 
 
 def test_while_it_is_moved_it_follows_nothing(visitor, monkeypatch):
-    monkeypatch.setattr(elements, 'SETTLE_S', 1000.0)
+    monkeypatch.setattr(page_elements, 'SETTLE_S', 1000.0)
     visitor.move(11)
     assert not visitor.slider.follow(12) and visitor.told == []
 
@@ -78,7 +78,7 @@ def test_one_call_at_a_time_while_another_waits(monkeypatch):
             begun.append(arguments)
             await is_free.wait()
             return function(*arguments)
-        monkeypatch.setattr(elements, 'wait_for', wait_for)
+        monkeypatch.setattr(page_elements, 'wait_for', wait_for)
         calls = OneCall()
         first = asyncio.ensure_future(calls.wait_for(abs, -1))
         second = asyncio.ensure_future(calls.wait_for(abs, -2))

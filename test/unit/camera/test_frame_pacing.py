@@ -1,7 +1,7 @@
 """Pacing and throttling on a fake clock, and stamps by clocks that run, stop and jump."""
 import pytest
 
-from img_recog.camera.pacing import Pacer, RateLimit, Stamps
+from img_recog.camera.frame_pacing import Pacer, RateLimit, Stamps
 
 # binary fractions, so that the expected times are exact
 RATE_HZ, PERIOD_S = 8.0, 0.125

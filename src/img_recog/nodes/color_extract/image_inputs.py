@@ -8,7 +8,7 @@ from sensor_msgs.msg import CompressedImage, Image
 
 from img_recog.conversions import compressed_image_msgs
 from img_recog.conversions.image_msgs import ColorImages
-from img_recog.nodes.color_extract.diagnostics import RecognitionDiagnostics
+from img_recog.nodes.color_extract.recognition_diagnostics import RecognitionDiagnostics
 from img_recog.ros.queues import LatestValue
 from img_recog.ros.transport.image_subscriber import ImageSubscriber
 

@@ -5,7 +5,7 @@ import string
 
 import pytest
 
-from img_recog.nodes.web import page, texts
+from img_recog.nodes.web import page, page_texts
 
 WEB = pathlib.Path(page.__file__).parent
 
@@ -16,13 +16,13 @@ WEB = pathlib.Path(page.__file__).parent
     ('de-DE,de;q=0.9,ja;q=0.5,en;q=0.3', 'ja'), ('de', 'en'), ('ja;q=x', 'en'), ('*', 'en'),
     ('JA', 'ja'), ('ja;q=0', 'en'), (',' * 1000, 'en')])
 def test_the_language_of_a_browser(accepted, language):
-    assert texts.language_of(accepted) == language
+    assert page_texts.language_of(accepted) == language
 
 
 def test_both_languages_have_the_same_fields():
     def fields(text):
         return [name for _, name, _, _ in string.Formatter().parse(text) if name is not None]
-    english, japanese = (page.texts_in(language).all for language in texts.LANGUAGES)
+    english, japanese = (page.texts_in(language).all for language in page_texts.LANGUAGES)
     for key, text in english.items():
         assert fields(text) == fields(japanese[key]), key
         assert re.search('[\u3040-\u30ff\u4e00-\u9fff]', japanese[key]), key
