@@ -31,8 +31,10 @@ def in_bgr8(image, encoding):
 @pytest.mark.parametrize('encoding, size', [*CHANNELS.items(), *BY_CV_BRIDGE.items()])
 def test_every_encoding_equals_cv_bridge(encoding, size, padding):
     expected = CvBridge().imgmsg_to_cv2(message(encoding, size), 'bgr8')
-    image, order = ColorImages().from_msg(message(encoding, size, padding=padding))
+    padded = message(encoding, size, padding=padding)
+    image, order = ColorImages().from_msg(padded)
     assert np.array_equal(in_bgr8(image, order), expected)
+    assert np.array_equal(from_msg(padded, 'bgr8'), expected)
     extractor, plain = (ColorExtractor(with_colors()()) for _ in range(2))
     assert extractor.measure(image, order) == plain.measure(np.ascontiguousarray(expected))
     for number in (0, 1):
@@ -45,6 +47,11 @@ def test_yuy2():
     image, order = ColorImages().from_msg(msg)
     assert order == 'bgr8'
     assert np.array_equal(image, cv2.cvtColor(pixels, cv2.COLOR_YUV2BGR_YUY2))
+
+
+def test_an_odd_width_of_pairs_of_pixels_is_refused():
+    with pytest.raises(ImageError, match="encoding 'yuv422'"):
+        ColorImages().from_msg(message('yuv422', 2, width=63))
 
 
 @pytest.mark.parametrize('encoding', ['bgr8', 'rgb8', 'bgra8', 'rgba8'])
@@ -68,15 +75,17 @@ def test_conversion_reuses_its_buffer():
 @pytest.mark.parametrize('change, text', [
     ({'width': 0}, 'it has no pixels'), ({'height': 0}, 'it has no pixels'),
     ({'step': 100}, 'a row takes 192 bytes'), ({'data': b'short'}, 'the data is too short'),
+    ({'data': b''}, 'the data is too short'), ({'data': b''}, ', 0 bytes to bgr8'),
     ({'height': 4000000000}, 'the data is too short'), ({'encoding': 'rgb9'}, "'rgb9'"),
-    ({'encoding': ''}, "''"), ({'encoding': '32FC1', 'step': 256}, '32FC1'),
-    ({'encoding': 'yuv422', 'width': 63}, "encoding 'yuv422'")])
-def test_invalid_message_is_refused(change, text):
+    ({'width': 1 << 20, 'height': 1 << 20}, 'a row takes'),
+    ({'encoding': ''}, "encoding ''"), ({'encoding': '32FC1', 'step': 256}, '32FC1')])
+@pytest.mark.parametrize('convert', [ColorImages().from_msg, lambda msg: from_msg(msg, 'bgr8')])
+def test_invalid_message_is_refused(convert, change, text):
     msg = message('rgb8', 3)
     for name, value in change.items():
         setattr(msg, name, value)
     with pytest.raises(ImageError) as caught:
-        ColorImages().from_msg(msg)
+        convert(msg)
     assert text in str(caught.value) and '\n' not in str(caught.value)
 
 
