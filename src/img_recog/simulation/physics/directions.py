@@ -84,7 +84,8 @@ class Directions:
                 self._wheels.append(_Wheel(
                     link, indices[joint.child + ACROSS], _vector(turn @ axle),
                     _vector(np.where(is_axle, 0.0, along * half)),
-                    _vector(np.where(is_axle, across * half, 0.0)), turning, min(*along[~is_axle], across) * half / 2,
+                    _vector(np.where(is_axle, across * half, 0.0)), turning,
+                    min(*along[~is_axle], across) * half / 2,
                     bitmasks[joint.child]))
         self._of_link = {link: wheel for wheel in self._wheels
                          for link in (wheel.link, wheel.second)}
