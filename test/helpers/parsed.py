@@ -2,7 +2,7 @@
 from typing import Any, Dict, NamedTuple, Sequence
 
 from img_recog.conversions.sensor_table import SENSORS
-from img_recog.formats import lumping, urdf
+from img_recog.formats import drive_tags, lumping, urdf
 from img_recog.model import Tag
 from img_recog.simulation.robot_spec import settings_in_tag
 from img_recog.simulation.sensors import in_files
@@ -50,7 +50,10 @@ class InTags(NamedTuple):
 
 def tags(text, step_s=0.001, drive=None, kinds=SENSORS):
     """Return what is in the <gazebo> tags of a URDF."""
-    return InTags(*in_files.read(_tags(urdf.root_of(text)), step_s, kinds, drive))
+    root = urdf.root_of(text)
+    values, *rest = in_files.read(_tags(root), step_s, kinds, drive)
+    found = drive_tags.find(root, step_s) if drive else None
+    return InTags({**(found.values if found else {}), **values}, *rest)
 
 
 def _tags(root):

@@ -26,22 +26,21 @@ _NO_LIMIT = 1e6         # N m, of a joint without a limit of its effort
 class Drive(NamedTuple):
     """How a robot is driven.
 
-    tags: of the plugin, to be read with those of the sensors; values: settings by name, which hold
-    where these have none; problems: what is not simulated.
+    tags: of the plugin; values: settings by name; problems: what of a controller is not simulated.
     """
 
     tags: Tags
     values: Values = {}
     problems: Tuple[str, ...] = ()
 
-    def settings(self, given: Values) -> Values:
-        """Return the settings by name; given: those in the tags."""
+    def with_settings(self, given: Values) -> 'Drive':
+        """Return the drive with settings by name; its own hold where those have none."""
         values = {**self.values, **given}
         for side, pair in CORNERS.items():     # the front and the rear wheels together
             names = [str(values.pop(corner)) for corner in pair if corner in values]
             if names:
                 values[side] = ', '.join(dict.fromkeys(names))
-        return values
+        return self._replace(values=values)
 
 
 class _Parameters:

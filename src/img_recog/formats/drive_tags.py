@@ -4,12 +4,12 @@ drive_controllers.py has those of controllers of ros_control. Other paths are th
 plugins of gazebo_plugins have in ROS 2.
 """
 import xml.etree.ElementTree as ElementTree
-from typing import Iterable, List, Optional
+from typing import List, Optional, Sequence
 
 from img_recog.formats import drive_controllers
 from img_recog.formats.drive_controllers import CORNERS, Drive, FindControllers
 from img_recog.formats.gazebo_tags import (FLAG, NAME, NAMES, NUMBER, POSITIVE, RATE, TOPIC, Row,
-                                           Tags, choice, is_of)
+                                           Tags, choice, is_of, values_in)
 from img_recog.model import PLANAR, Model
 
 _WORLD, _ENCODER = 'world', 'encoder'
@@ -104,18 +104,37 @@ def find(robot: ElementTree.Element, step_s: float,
 
     step_s: of the physics. controllers: returns those of ros_control that it can have. A plugin
     that drives by itself counts more than a controller; of two, the first counts.
-    Raises SimulationError when a controller has a wrong value.
+    Raises SimulationError when a tag or a controller has a wrong value.
     """
-    return of_plugins(robot.findall('gazebo/plugin')) or drive_controllers.find(
+    return _of_plugins(robot.findall('gazebo/plugin'), step_s) or drive_controllers.find(
         robot, controllers, step_s)
 
 
-def of_plugins(plugins: Iterable[ElementTree.Element]) -> Optional[Drive]:
-    """Return the first drive that plugins stand for, None for none."""
-    return next((row for plugin in plugins for row in PLUGINS if is_of(plugin, row.tags)), None)
+def of_model(model: Model, step_s: float) -> Optional[Drive]:
+    """Return the drive of a model of an SDF, None for one that does not drive; errors as for
+    `find`.
+    """
+    return _of_plugins(_plugins(model), step_s)
 
 
-def of_model(model: Model) -> Optional[Drive]:
-    """Return the drive of a model of an SDF, None for one that does not drive."""
-    return of_plugins(plugin for tag in model.tags if not tag.link
-                      for plugin in tag.element.findall('plugin'))
+def is_driven(model: Model) -> bool:
+    """Return whether a model of an SDF has a drive."""
+    return any(map(_row_of, _plugins(model)))
+
+
+def _plugins(model: Model) -> List[ElementTree.Element]:
+    return [plugin for tag in model.tags if not tag.link
+            for plugin in tag.element.findall('plugin')]
+
+
+def _of_plugins(plugins: Sequence[ElementTree.Element], step_s: float) -> Optional[Drive]:
+    """Return the first drive that plugins stand for, with their settings."""
+    for plugin in plugins:
+        row = _row_of(plugin)
+        if row is not None:
+            return row.with_settings(values_in(row.tags, '', None, plugin, step_s))
+    return None
+
+
+def _row_of(plugin: ElementTree.Element) -> Optional[Drive]:
+    return next((row for row in PLUGINS if is_of(plugin, row.tags)), None)

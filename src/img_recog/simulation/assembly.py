@@ -49,7 +49,7 @@ def build(physics: PhysicsSettings, world: WorldFile,
     """
     physics_client_id = connect()
     driven = {number: tree for number, tree in enumerate(world.trees)
-              if with_drives and drive_tags.of_model(tree.model)}
+              if with_drives and drive_tags.is_driven(tree.model)}
     world = world._replace(trees=tuple(tree for number, tree in enumerate(world.trees)
                                        if number not in driven))
     problems, name = Problems(), 'world {}'.format(world.name)

@@ -105,8 +105,8 @@ def read_robot(urdf: Union[str, ElementTree.Element], step_s: float, find: FindF
         of_tags = tuple(dict.fromkeys((*not_simulated, *stray)))
         of_controllers = drive.problems if drive else drive_controllers.not_simulated(
             root, drive_controllers.of_robot(root, controllers))
-        given = {**drive_controllers.joint_states(root, controllers, step_s), **in_tags}
-        values = drive.settings(given) if drive else given
+        values = {**(drive.values if drive else {}),
+                  **drive_controllers.joint_states(root, controllers, step_s), **in_tags}
         sensors = sensors_of(kinds, sensors)
         settings = _settings(model, sensors, values, read)
         return RobotSpec(
@@ -129,8 +129,9 @@ def read_model(tree: Tree, step_s: float, kinds: Sequence[SensorKind],
     Raises SimulationError when a value cannot be used.
     """
     model = tree.model
-    drive, source = drive_tags.of_model(model), 'model ' + model.name
+    source = 'model ' + model.name
     try:
+        drive = drive_tags.of_model(model, step_s)
         in_tags, sensors, problems = in_files.read(model.tags, step_s, kinds,
                                                    drive and drive.tags, with_bare)
         of_model = ['plugin ' + plugin.get('filename', '') for tag in model.tags if not tag.link
@@ -139,7 +140,7 @@ def read_model(tree: Tree, step_s: float, kinds: Sequence[SensorKind],
         # what has a place is in a tag; the rest belongs to a drive
         sensors = [each for each in sensors_of(kinds, sensors)
                    if each.place is not None or drive and not each.kind.tags.frame]
-        values = drive.settings(in_tags) if drive else in_tags
+        values = {**(drive.values if drive else {}), **in_tags}
         settings = _settings_of_tree(tree, sensors, values) if drive else RobotSettings(
             sensors={each.name: settings_in_tag(each) for each in sensors})
         return RobotSpec(

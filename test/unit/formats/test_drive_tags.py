@@ -153,8 +153,7 @@ def find(element, given):
 @pytest.mark.parametrize('library', ['gazebo_ros_control', 'fetch_gazebo_plugin'])
 def test_plugins_that_run_controllers(library):
     found = find(plugin(library), controllers())
-    assert found.settings({'wheel_torque': 3.0})['wheel_torque'] == 3.0
-    assert found.settings({})['left_joint'] == 'left_0_joint' and found.problems == ()
+    assert found.values['left_joint'] == 'left_0_joint' and found.problems == ()
     assert find(plugin(library), {}) is None
     assert find(plugin('gazebo_ros_p3d'), controllers()) is None
 

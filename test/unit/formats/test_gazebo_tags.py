@@ -130,7 +130,8 @@ def test_missing_tags_are_missing_settings():
     assert overrides(robot()) == {}
     assert overrides(robot(gazebo(FRICTION, 'a'), gazebo('<static>true</static>'))) == {}
     assert overrides(robot(gazebo(SILENT_IMU, 'imu_link'))) == {}
-    assert overrides(robot(gazebo(plugin('', 'gazebo_ros_diff_drive')))) == {}
+    assert overrides(robot(gazebo(plugin('', 'gazebo_ros_diff_drive')))) == {
+        'left_joint': 'left_joint', 'right_joint': 'right_joint'}     # of the plugin
     assert not_simulated(robot(gazebo(FRICTION, 'a'), gazebo(SILENT_IMU, 'a'))) == []
 
 
@@ -198,7 +199,8 @@ def test_values(elements, wanted):
 
 
 @pytest.mark.parametrize('elements, wanted', [
-    (gazebo(plugin('<torque>7</torque>', 'gazebo_ros_diff_drive')), {'wheel_torque': 7.0}),
+    (gazebo(plugin('<torque>7</torque>', 'gazebo_ros_diff_drive')), {
+        'wheel_torque': 7.0, 'left_joint': 'left_joint', 'right_joint': 'right_joint'}),
     (ray('gpu_ray', 'gazebo_ros_gpu_laser'), SCAN_SETTINGS),
     (ray(library='gazebo_ros_range', laser=tags(RANGE_TAGS)), RANGE_SETTINGS),
     # the form for all axes is not read since SDF 1.6, which a URDF is

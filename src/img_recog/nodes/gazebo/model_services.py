@@ -123,7 +123,7 @@ class ModelServices:
             add = self._robot_adder(name, request, state, frame)
         else:
             trees = model_file.read(request.model_xml, name, resources.find, rospy.logwarn)
-            if drive_tags.of_model(trees[0].model):
+            if drive_tags.is_driven(trees[0].model):
                 add = self._sdf_robot_adder(trees[0], request, state, frame)
             else:
                 add = partial(self._add, name, trees, state, frame)

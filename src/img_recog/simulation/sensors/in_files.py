@@ -1,4 +1,4 @@
-"""The sensors in the tags of a model, and the settings there of what it has once."""
+"""The sensors in the tags of a model, with their settings."""
 import xml.etree.ElementTree as ElementTree
 from typing import Dict, Iterator, List, NamedTuple, Optional, Sequence, Tuple
 
@@ -26,12 +26,12 @@ def read(tags: Sequence[Tag], step_s: float, kinds: Sequence[SensorKind],
          ) -> Tuple[Values, List[RobotSensor], List[str]]:
     """Return what the tags of a model give.
 
-    That is the settings for what is there once and for the first sensor of each kind, by name; the
-    sensors in the order of the file; and what is not simulated: each is 'plugin FILENAME' or
-    'sensor TYPE', after the word 'second' where it is a duplicate.
+    That is the settings of the first sensor of each kind, by name; the sensors in the order of the
+    file, but for those that are there once; and what is not simulated: each is 'plugin FILENAME'
+    or 'sensor TYPE', after the word 'second' where it is a duplicate.
 
-    step_s: of the physics. kinds: of the sensors that count. drive: where those of a drive are.
-    with_bare: whether sensors without a plugin count too. Of two drives, the first counts.
+    step_s: of the physics. kinds: of the sensors that count. drive: the tags that are not
+    those of a sensor. with_bare: whether sensors without a plugin count too.
     Raises SimulationError when a value cannot be read.
     """
     readers: List[Tuple[Tags, Optional[SensorKind]]] = [(drive, None)] if drive else []
@@ -46,7 +46,8 @@ def read(tags: Sequence[Tag], step_s: float, kinds: Sequence[SensorKind],
             if number not in new and not reader.frame:
                 problems.append('second ' + part.label)
                 continue
-            values = values_in(reader, part.link, part.sensor, part.plugin, step_s)
+            values = {} if kind is None else values_in(reader, part.link, part.sensor, part.plugin,
+                                                       step_s)
             of_readers.setdefault(number, values)
             if kind is not None and reader.frame and not kind.missing:
                 sensors.append(_sensor(kind, values, part))
@@ -58,7 +59,6 @@ def read(tags: Sequence[Tag], step_s: float, kinds: Sequence[SensorKind],
     for kind in kinds:
         if kind.is_drawn:
             _add_cameras(tags, kind, with_bare, sensors, problems)
-    # a drive comes first
     values = {name: value for number in sorted(of_readers)
               for name, value in of_readers[number].items()}
     return values, sensors, problems
