@@ -259,7 +259,7 @@ def test_program_prints_the_urdf_or_one_line(tmp_path, monkeypatch, capsys):
     path = tmp_path / 'robot.urdf'
     path.write_text(URDF)
     monkeypatch.setattr(sys, 'argv', ['robot_description.py', str(path)])
-    assert cli.robot_description() == 0 and capsys.readouterr().out == URDF
+    assert cli.robot_description() == 0 and capsys.readouterr().out == URDF + '\n'
     monkeypatch.setattr(sys, 'argv', ['robot_description.py', str(tmp_path / 'no.urdf')])
     assert cli.robot_description() == 1
     assert capsys.readouterr().err.count('\n') == 1
