@@ -67,6 +67,8 @@ def run(name: str, serve: Callable[[], None],
         if number != signal.SIGHUP or signal.getsignal(number) != signal.SIG_IGN:
             signal.signal(number, _shut_down)
     code = _run(serve)
+    if code:
+        rospy.signal_shutdown('exit code {}'.format(code))
     if code == 0 and _SUPERVISED in os.environ and rospy.core.is_shutdown_requested():
         code = _shutdown_code(reasons)
     return code
@@ -87,17 +89,14 @@ def _run(serve: Callable[[], None]) -> int:
     except ConnectionRefusedError:
         rospy.logfatal('no master answers at %s: start roscore or roslaunch first, or set '
                        'ROS_MASTER_URI', shortened(os.environ.get('ROS_MASTER_URI', '')))
-        rospy.signal_shutdown('no master')
         return EXIT_NO_MASTER if _SUPERVISED in os.environ else 1
     except UserError as error:
         rospy.logfatal('%s', one_line(error))
-        rospy.signal_shutdown('cannot go on')
         return 1
     except Exception as error:
         if is_of_shutdown(error):
             return 0
         traceback.print_exc()
-        rospy.signal_shutdown('unexpected exception')
         return EXIT_UNEXPECTED
     return 0
 

@@ -139,16 +139,20 @@ lifecycle.rosout.init_node = lambda *_, **__: None
 lifecycle.master_watch.start = lambda _: None
 rospy.core.add_shutdown_hook(lambda _: threading.Event().wait())
 def serve():
-    os.kill(os.getpid(), signal.SIGINT)
+    if sys.argv[1] != 'fails':
+        os.kill(os.getpid(), signal.SIGINT)
     if sys.argv[1] == 'waits':
         threading.Event().wait()
+    if sys.argv[1] == 'fails':
+        raise KeyError('a mistake')
     sys.stdout.write('served')
 sys.exit(lifecycle.run('node', serve))
 '''
 
 
-@pytest.mark.parametrize('how, output', [('returns', 'served'), ('waits', '')])
-@pytest.mark.parametrize('is_supervised, code', [(False, 0), (True, 77)])
+@pytest.mark.parametrize('how, output, is_supervised, code', [
+    ('returns', 'served', False, 0), ('returns', 'served', True, 77), ('waits', '', False, 0),
+    ('waits', '', True, 77), ('fails', '', False, 70)])
 def test_a_node_ends_while_the_master_does_not_answer(monkeypatch, how, output, is_supervised,
                                                       code):
     if is_supervised:
