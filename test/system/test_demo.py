@@ -14,8 +14,8 @@ NODES = ('color_extract', 'gazebo', 'robot_state_publisher', 'turtlebot3_teleop_
 SELDOM_RECORDED = {'/tf_static', '/diagnostics', 'scan'}
 NAMESPACED = '''<launch><include file="$(find img_recog)/launch/demo.launch" ns="lab">
   <arg name="camera" value="robot"/><arg name="world" value="color_posts"/>
-  <arg name="web" value="false"/><arg name="record" value="{}/lab"/>
-  <arg name="robots" value="{}"/></include></launch>'''
+  <arg name="framerate" value="10"/><arg name="web" value="false"/>
+  <arg name="record" value="{}/lab"/><arg name="robots" value="{}"/></include></launch>'''
 
 
 def node_pids(ros):
@@ -94,7 +94,8 @@ def wait_recorded(ros, recorder, world, robot):
 
 def test_a_recording_has_what_is_worth_keeping(ros, tmp_path):
     """And a film and a picture can be made of it; the picture also while the demo runs."""
-    demo = ros.demo('world:=empty', 'record:={}/demo'.format(tmp_path))
+    # of each image, the film has a frame
+    demo = ros.demo('world:=empty', 'record:={}/demo'.format(tmp_path), 'framerate:=5')
     demo.wait_output('the robot drives forward')
     wait_recorded(ros, '/record', '/', '/')
     begin = len(demo.output)
