@@ -107,7 +107,7 @@ def _as_moved(contact: Contact, mass: float, count: int, physics_client_id: int)
     step_s = values['fixedTimeStep']
     load = mass * math.hypot(*(values['gravityAcceleration' + axis] for axis in 'XYZ'))
     # <kd> of both add up, and that of a floor is 1
-    damping = contact.damping + Contact().damping
+    damping = max(contact.damping, 0.0) + Contact().damping
     pushing = step_s * contact.stiffness + damping
     sinks = load / (count * pushing) - contact.fastest
     if sinks <= 0 or not load:

@@ -57,6 +57,11 @@ def test_how_deep_a_body_sinks(shape, mass, contact, found, tmp_path):
         assert z == pytest.approx(expected, abs=max(0.001, 0.012 * abs(0.1 - expected))), time
 
 
+def test_a_contact_without_stiffness_holds_nothing(tmp_path):
+    """In Gazebo, its body is nowhere then."""
+    assert heights(tmp_path, BALL, 0.1, 1, 'kp=0 kd=-1 max_vel=0', [0.5])[0] < -0.5
+
+
 @pytest.mark.parametrize('contact, bounce, found', [
     ('max_vel=100', 0.9, {0.5: 0.277, 0.8: 0.8923, 1: 0.8126}),
     ('max_vel=100', 1, {0.5: 0.2983, 0.8: 1.0465, 1: 1.0553}),
