@@ -14,6 +14,8 @@ from img_recog.formats.kept_files import kept
 _FOLDER = 'generated_1'    # another number when the files change
 _MAX_CORNERS = 1000     # of an outline
 
+_Mesh = Tuple[np.ndarray, np.ndarray, np.ndarray]       # vertices, faces and uvs, as for `write`
+
 
 def write(vertices: np.ndarray, faces: np.ndarray, uvs: np.ndarray) -> str:
     """Write triangles; return the path of the file.
@@ -49,32 +51,103 @@ def grid_faces(rows: int, columns: int) -> np.ndarray:
                     axis=1).reshape(-1, 3)
 
 
-def extruded(outline: Sequence[Sequence[float]], height: float) -> str:
-    """Write a polygon that is extruded along z, from 0 to `height` in m; return the path.
+def extruded(outlines: Sequence[Sequence[Sequence[float]]], height: float) -> str:
+    """Write polygons that are extruded along z, from 0 to `height` in m; return the path.
 
-    outline: of the corners x, y in m, in any direction; it may be closed by repeating the first.
-    Raises SimulationError when it is no polygon, or the cache cannot be written.
+    outlines: of the corners x, y in m, in any direction; each may be closed by repeating the
+    first. One in another one is a hole, one in that is not.
+    Raises SimulationError when one is no polygon, or the cache cannot be written.
     """
+    polygons = [_corners(outline) for outline in outlines]
+    around = [[other for other in polygons if other is not each and _holds(other, each[0])]
+              for each in polygons]
+    parts, total = [], 0
+    for each, outer in zip(polygons, around):
+        is_hole = len(outer) % 2 == 1
+        walls = _wall(each[::-1] if is_hole else each, height)
+        holes = [hole[::-1] for hole, others in zip(polygons, around)
+                 if len(others) == len(outer) + 1 and any(other is each for other in others)]
+        for vertices, faces, uvs in [walls] if is_hole else [
+                _caps(_bridged(each, holes), height), walls]:
+            parts.append((vertices, faces + total, uvs))
+            total += len(vertices)
+    vertices, faces, uvs = (np.concatenate(arrays) for arrays in zip(*parts))
+    return write(vertices, faces, uvs)
+
+
+def _corners(outline: Sequence[Sequence[float]]) -> np.ndarray:
+    """Return the corners (n, 2) of an outline, anticlockwise."""
     corners = np.array(outline, float).reshape(-1, 2)
     corners = corners[np.any(corners != np.roll(corners, 1, axis=0), axis=1)]
     if not 3 <= len(corners) <= _MAX_CORNERS:
         raise SimulationError('got an outline of {} different corners, expected 3 to {}'.format(
             len(corners), _MAX_CORNERS))
-    if _area(corners) < 0:
-        corners = corners[::-1]
-    count, cap = len(corners), np.array(_ears(corners))
-    vertices = np.concatenate([np.column_stack([corners, np.full(count, z)])
-                               for z in (0.0, height)])
+    return corners[::-1] if _area(corners) < 0 else corners
+
+
+def _wall(corners: np.ndarray, height: float) -> _Mesh:
+    """Return the sides of a prism, whose outside is to the right of its outline."""
+    count = len(corners)
     here = np.arange(count)
     there = np.roll(here, -1)
-    walls = np.concatenate([np.column_stack([here, there, there + count]),
-                            np.column_stack([here, there + count, here + count])])
-    # corners of their own for the walls, so that the edges are sharp
+    # corners of their own, so that the edges are sharp
     along = np.cumsum(np.linalg.norm(corners - np.roll(corners, 1, axis=0), axis=1))
-    uvs = np.concatenate([corners, corners, *(np.column_stack([along, np.full(count, z)])
-                                              for z in (0.0, height))])
-    return write(np.concatenate([vertices, vertices]),
-                 np.concatenate([cap[:, ::-1], cap + count, walls + 2 * count]), uvs)
+    return (_at_heights(corners, height),
+            np.concatenate([np.column_stack([here, there, there + count]),
+                            np.column_stack([here, there + count, here + count])]),
+            _at_heights(along, height))
+
+
+def _caps(corners: np.ndarray, height: float) -> _Mesh:
+    """Return the faces below and above a prism with an anticlockwise outline."""
+    count, cap = len(corners), np.array(_ears(corners))
+    return (_at_heights(corners, height), np.concatenate([cap[:, ::-1], cap + count]),
+            np.concatenate([corners, corners]))
+
+
+def _at_heights(values: np.ndarray, height: float) -> np.ndarray:
+    """Return values (n, ...) with a height of 0 beside each, and then with the other one."""
+    return np.concatenate([np.column_stack([values, np.full(len(values), z)])
+                           for z in (0.0, height)])
+
+
+def _bridged(corners: np.ndarray, holes: Sequence[np.ndarray]) -> np.ndarray:
+    """Return an outline around a polygon without holes in it, which are clockwise: each is joined
+    to the outline by an edge there and back, the shortest that crosses no other."""
+    rest = list(holes)
+    while rest:
+        edges = np.concatenate([np.stack([each, np.roll(each, -1, axis=0)], axis=1)
+                                for each in (corners, *rest)])
+        pairs = sorted((float(np.linalg.norm(corners[first] - hole[second])), first, number, second)
+                       for number, hole in enumerate(rest)
+                       for first in range(len(corners)) for second in range(len(hole)))
+        _, first, number, second = next(
+            (pair for pair in pairs if not _crosses(
+                corners[pair[1]], rest[pair[2]][pair[3]], edges)), pairs[0])
+        hole = np.roll(rest.pop(number), -second, axis=0)
+        corners = np.concatenate([corners[:first + 1], hole, hole[:1], corners[first:]])
+    return corners
+
+
+def _crosses(start: np.ndarray, end: np.ndarray, edges: np.ndarray) -> bool:
+    """Return whether a line crosses one of some edges (n, 2, 2), other than at its ends."""
+    def side(line: np.ndarray, start: np.ndarray, point: np.ndarray) -> np.ndarray:
+        to_point = point - start
+        return np.sign(line[..., 0] * to_point[..., 1] - line[..., 1] * to_point[..., 0])
+
+    along = edges[:, 1] - edges[:, 0]
+    return bool(np.any(
+        (side(end - start, start, edges[:, 0]) * side(end - start, start, edges[:, 1]) < 0)
+        & (side(along, edges[:, 0], start) * side(along, edges[:, 0], end) < 0)))
+
+
+def _holds(corners: np.ndarray, point: np.ndarray) -> bool:
+    """Return whether a point (2,) is in a polygon."""
+    x, y = corners.T - point[:, None]
+    next_x, next_y = np.roll(x, -1), np.roll(y, -1)
+    beside = (y > 0) != (next_y > 0)
+    return bool(np.count_nonzero(
+        x[beside] - y[beside] * (next_x - x)[beside] / (next_y - y)[beside] > 0) % 2)
 
 
 def _area(corners: np.ndarray) -> float:
@@ -89,7 +162,9 @@ def _ears(corners: np.ndarray) -> List[Tuple[int, int, int]]:
     while len(left) > 3:
         for number in range(len(left)):
             ear = left[number - 1], left[number], left[(number + 1) % len(left)]
-            others = [each for each in left if each not in ear]
+            # corners at which a hole is joined are there twice
+            others = [each for each in left if not any(
+                np.array_equal(corners[each], corners[corner]) for corner in ear)]
             if _area(corners[list(ear)]) > 0 and not _inside(corners[others], corners[list(ear)]):
                 break
         else:       # the outline crosses itself: whatever is left has no ear

@@ -92,8 +92,8 @@ def _geometry(shape: ElementTree.Element, find: FindFile) -> _Geometry:
     name, geometry = '{} {}'.format(shape.tag, name_of(shape)), shape.find('geometry')
     if geometry is None or not len(geometry):
         raise SimulationError('<{}> has no geometry'.format(name))
-    element = geometry[0]
-    make = _MAKERS.get(element.tag)
+    element = geometry if geometry[0].tag == 'polyline' else geometry[0]
+    make = _MAKERS.get(geometry[0].tag)
     if make is None:
         raise SimulationError('<{}> of {}'.format(element.tag, name))
     return make(name, element, find)
@@ -161,10 +161,12 @@ def _mesh(name: str, element: ElementTree.Element, find: FindFile) -> _Geometry:
 
 
 def _polyline(name: str, element: ElementTree.Element, _: FindFile) -> _Geometry:
-    corners = [read_lengths('<point> of ' + name, point.text, 2).tolist()
-               for point in element.findall('point')]
-    (height,) = _size(name, element, 'height', 1)
-    return Shape(MESH, (1.0, 1.0, 1.0), generated_meshes.extruded(corners, height)), IDENTITY
+    """Return the prism of all <polyline>s in a <geometry>; the height of the first counts."""
+    outlines = [[read_lengths('<point> of ' + name, point.text, 2).tolist()
+                 for point in polyline.findall('point')]
+                for polyline in element.findall('polyline')]
+    (height,) = _size(name, element[0], 'height', 1)
+    return Shape(MESH, (1.0, 1.0, 1.0), generated_meshes.extruded(outlines, height)), IDENTITY
 
 
 _MAKERS: Dict[str, Callable[[str, ElementTree.Element, FindFile], _Geometry]] = {
