@@ -3,6 +3,7 @@
 They are Wavefront OBJ files in the user's folder for caches, named by their content. They can be
 deleted while no world is loaded.
 """
+import math
 import os
 from typing import List, Sequence, Tuple
 
@@ -118,7 +119,7 @@ def _bridged(corners: np.ndarray, holes: Sequence[np.ndarray]) -> np.ndarray:
     while rest:
         edges = np.concatenate([np.stack([each, np.roll(each, -1, axis=0)], axis=1)
                                 for each in (corners, *rest)])
-        pairs = sorted((float(np.linalg.norm(corners[first] - hole[second])), first, number, second)
+        pairs = sorted((math.dist(corners[first], hole[second]), first, number, second)
                        for number, hole in enumerate(rest)
                        for first in range(len(corners)) for second in range(len(hole)))
         _, first, number, second = next(
