@@ -42,9 +42,7 @@ def run(name: str, serve: Callable[[], None],
     (a terminal that is closed) shut it down; `serve` still runs while the hooks of `on_shutdown`
     do.
     """
-    if node_help.is_wanted():
-        sys.stdout.write(node_help.text(sys.modules[serve.__module__].__doc__ or '', settings))
-        return 0
+    node_help.parse(sys.modules[serve.__module__].__doc__ or '', settings)
     log_records.install()
     log_handlers.install()
     # rospy's own handler shuts down inside the interrupted call; if that is a publish in the
