@@ -32,7 +32,8 @@ def _configure_and_guard(*args: Any, **options: Any) -> Optional[str]:
         reason = error.__cause__ or error       # of a ValueError of logging.config
         sys.stderr.write('[WARN] there is no log file, only the terminal: cannot write {}: {}; '
                          'set ROS_HOME or ROS_LOG_DIR to a folder that can be written\n'.format(
-                             shortened(getattr(reason, 'filename', 'it')), one_line(reason)))
+                             shortened(getattr(reason, 'filename', None) or 'it'),
+                             one_line(reason)))
     if path is None:
         logging.getLogger().addHandler(logging.NullHandler())
         logging.getLogger('rosout').setLevel(logging.INFO)
