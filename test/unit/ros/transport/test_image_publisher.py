@@ -121,16 +121,22 @@ def test_all_subscribers_get_each_image(way, name, publisher, subscribe):
             assert end.receive() == wire(random_image(seq, LARGE), seq)
 
 
-def test_a_subscriber_that_does_not_read_blocks_no_other_and_gets_whole_images_later(
-        way, name, publisher, subscribe):
+def check_stuck(name, publisher, subscribe, count):
+    """Publish images to one who reads and one who does not; return the latter's end."""
     stuck, reading = subscribe(name, Image), subscribe(name, Image)
-    for seq in range(1, 21):
+    for seq in range(1, count + 1):
         publish(publisher, random_image(seq, LARGE))
         assert reading.receive() == wire(random_image(seq, LARGE), seq)
         wait_for(lambda: not stuck.is_idle(), 'the begin of the first image')
     # first the image whose sending had started, not overwritten by later ones; then the newest
     assert stuck.receive() == wire(random_image(1, LARGE), 1)
-    assert stuck.receive() == wire(random_image(20, LARGE), 20)
+    assert stuck.receive() == wire(random_image(count, LARGE), count)
+    return stuck
+
+
+def test_a_subscriber_that_does_not_read_blocks_no_other_and_gets_whole_images_later(
+        way, name, publisher, subscribe):
+    stuck = check_stuck(name, publisher, subscribe, 20)
     publish(publisher, random_image(21, LARGE))
     assert stuck.receive() == wire(random_image(21, LARGE), 21)
 
@@ -152,10 +158,4 @@ def test_a_queue_of_rospy_gets_images_that_do_not_change(fast, name, publisher, 
     with warnings.catch_warnings():
         warnings.simplefilter('error')
         rospy.Publisher(name, Image, queue_size=1)      # in another part of the process
-    stuck, reading = subscribe(name, Image), subscribe(name, Image)
-    for seq in range(1, 6):
-        publish(publisher, random_image(seq, LARGE))
-        assert reading.receive() == wire(random_image(seq, LARGE), seq)
-        wait_for(lambda: not stuck.is_idle(), 'the begin of the first image')
-    assert stuck.receive() == wire(random_image(1, LARGE), 1)
-    assert stuck.receive() == wire(random_image(5, LARGE), 5)
+    check_stuck(name, publisher, subscribe, 5)
