@@ -43,9 +43,10 @@ def _main(words: Sequence[str], interrupts: Interrupts) -> str:
     films = ['.worst_{}.mp4'.format(number + 1) for number in range(given.films)]
     paths = files.output_paths(path, os.path.expanduser(given.output),
                                (*results.report_extensions(), *films), 'sweep')
+    known = [] if where.resume else [_first(sweep, where, given.yes)]
     runs = list(sweep.runs())
-    pieces = [_piece(sweep, run) for run in runs]
-    known = [] if where.resume else [_first(pieces[0], sweep, where, given.yes)]
+    pieces = [done.piece for done in known] + [
+        _piece(sweep, run) for run in runs[len(known):]]
     with Engine(where, interrupts, re.sub(r'\.csv$', '', paths[0])) as engine:
         ended = [Ended(run, outcome) for run, outcome in zip(
             runs, engine.run(sweep_run.run, pieces, known=known).outcomes())]
@@ -85,8 +86,9 @@ def _piece(sweep: Sweep, run: Run) -> Piece:
                  depends=inputs.of_scene(*sweep_run.scene_of(values)))
 
 
-def _first(piece: Piece, sweep: Sweep, where: options.Options, is_confirmed: bool) -> Done:
+def _first(sweep: Sweep, where: options.Options, is_confirmed: bool) -> Done:
     """Do the first run, and say how long all will take; raise UserError if that is long."""
+    piece = _piece(sweep, next(sweep.runs()))
     begin_s = time.perf_counter()
     done = Done(piece, *run_piece(sweep_run.run, piece.files, (), piece.arguments))
     run_s = time.perf_counter() - begin_s
