@@ -9,7 +9,8 @@ from typing import Any, Dict, Iterator, List, Mapping, NamedTuple, Sequence, Tup
 
 from img_recog.batch.labels import of_value, unique
 from img_recog.errors import UserError, one_line, shortened, suggestion
-from img_recog.formats.markup import MarkupError, load_yaml, read_bytes
+from img_recog.formats.markup import MarkupError, read_bytes
+from img_recog.formats.yaml_text import load_yaml
 from img_recog.loading import resources
 from img_recog.rendering.light import LightSettings
 from img_recog.settings import (SettingError, Settings, above, at_least, between, from_mapping,

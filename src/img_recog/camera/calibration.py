@@ -11,7 +11,8 @@ import yaml
 
 from img_recog.errors import UserError, one_line, shortened
 from img_recog.files import atomic_write, plain
-from img_recog.formats.markup import load_yaml, read_bytes
+from img_recog.formats.markup import read_bytes
+from img_recog.formats.yaml_text import load_yaml
 
 _MAX_BYTES = 1 << 20        # a calibration file has some 2,000 bytes
 _MODE = 0o644

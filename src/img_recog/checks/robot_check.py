@@ -10,8 +10,9 @@ from img_recog.checks.report import (ASSUMED, MEASURED, NOT_DRAWN, NOT_SIMULATED
 from img_recog.errors import UserError, one_line
 from img_recog.formats import drive_controllers
 from img_recog.formats.drive_controllers import Controllers
-from img_recog.formats.markup import MarkupError, load_yaml, read_bytes
+from img_recog.formats.markup import MarkupError, read_bytes
 from img_recog.formats.world_file import EMPTY
+from img_recog.formats.yaml_text import load_yaml
 from img_recog.loading import assemble
 from img_recog.simulation.physics import wheels
 from img_recog.simulation.robot_spec import RobotSpec

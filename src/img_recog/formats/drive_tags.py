@@ -119,7 +119,12 @@ def of_model(model: Model, step_s: float) -> Optional[Drive]:
 
 def is_driven(model: Model) -> bool:
     """Return whether a model of an SDF has a drive."""
-    return any(map(_row_of, _plugins(model)))
+    return is_drive(_plugins(model))
+
+
+def is_drive(plugins: Sequence[ElementTree.Element]) -> bool:
+    """Return whether one of some plugins is a drive, whatever the values of its tags are."""
+    return any(map(_row_of, plugins))
 
 
 def _plugins(model: Model) -> List[ElementTree.Element]:

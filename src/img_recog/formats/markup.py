@@ -1,12 +1,11 @@
-"""Reads XML and YAML that others wrote: what a parser cannot take is one error, with one line."""
-import functools
-import math
+"""Reads XML that others wrote: what a parser cannot take is one error, with one line."""
 import re
 import xml.etree.ElementTree as ElementTree
-from typing import Any, Dict, List, Match, NamedTuple, Optional, Set, Tuple, Union
+from typing import Any, Union
 from xml.parsers import expat
 
 from img_recog.errors import UserError, one_line, shortened
+from img_recog.formats import tinyxml
 
 MAX_BYTES = 1 << 24
 # A URDF has 8 levels at most; Python's own functions for trees fail at about 300.
@@ -16,18 +15,7 @@ _MAX_ELEMENTS, _MAX_ATTRIBUTES, _MAX_OF_ELEMENT = 200000, 400000, 1000
 # Expat reads a whole tag before it can be refused: 300 bytes for each attribute. No tag has a <.
 _MAX_TAG = 1 << 22                              # characters up to the next <
 _LONG_TAG = '<[^<]{%d}' % _MAX_TAG
-_MAX_NAMES = 600000         # of elements and attributes
 _MAKE_NOTHING = ('xacro:arg', 'xacro:macro', 'xacro:property')
-# Of what TinyXML reads, with which Gazebo reads all files. Of what is no element, CDATA remains.
-_CDATA = '<![CDATA['
-_OTHERS = (('<!--', '-->'), (_CDATA, ']]>'), ('<?', '?>'), ('<!', '>'))
-_TAG = re.compile(r'<(/?)([^\W\d][^\s<>/="\'&]*)')
-_ATTRIBUTE = re.compile(r'\s*([^\s<>/="\']+)\s*=\s*'
-                        r'(?:"([^"]*)"|\'([^\']*)\'|([^\s/>"\']+)(?=[\s/>]))')
-_END_OF_TAG = re.compile(r'\s*(/?)>')
-_BARE_AMPERSAND = re.compile('&(?!(?:amp|lt|gt|quot|apos|#[0-9]+|#x[0-9a-fA-F]+);)')
-_MERGE = '<<'            # a key of YAML that takes over those of another mapping
-_CONTROL = re.compile('[\x01-\x08\x0b\x0c\x0e-\x1f]')
 
 
 class MarkupError(UserError):
@@ -58,7 +46,7 @@ def parse_xml(text: Union[str, bytes]) -> ElementTree.Element:
     try:
         return _parsed(text)
     except _NotXmlError as error:
-        other = _repaired(text)
+        other = tinyxml.repaired(text)
         if other is None:
             raise
         try:
@@ -96,88 +84,6 @@ def check_expanded(root: ElementTree.Element) -> str:
             'give the file a name that ends with .xacro, or expand it: xacro FILE > robot.urdf'
             if found[0] != 'include' else 'xacro of Noetic expands only <xacro:include>')
     return '<{}>'.format(names[0]) if names else ''
-
-
-class _Part(NamedTuple):
-    """A tag, a comment or similar.
-
-    text: as it is in XML, for a tag without `closing`; end: where it ends in the source; change:
-    of the depth; names: of the element and its attributes, none for what is no tag.
-    """
-
-    text: str
-    end: int
-    closing: str = ''
-    change: int = 0
-    names: Tuple[str, ...] = ()
-
-
-def _repaired(source: Union[str, bytes]) -> Optional[Union[str, bytes]]:
-    """Return XML with what TinyXML reads in a text; None if it reads nothing.
-
-    It takes a declaration that is not at the start, texts around the root element, a & that begins
-    no entity, a < in an attribute, attributes without quotes or without a space between them, --
-    in a comment, and undeclared prefixes of names. The result may still not be XML.
-    """
-    if isinstance(source, bytes):
-        # any byte is a character, so that only those in comments need not be UTF-8
-        found = _repaired(source.decode('latin-1'))
-        return found.encode('latin-1') if isinstance(found, str) else None
-    parts: List[str] = []
-    names: List[str] = []
-    root, position, depth = -1, 0, 0    # root: where the tag of that is in `parts`
-    declared: Tuple[str, ...] = ()
-    while root < 0 or depth > 0:
-        start = source.find('<', position)
-        part = None if start < 0 else _other(source, start) or _tag(source, start)
-        if part is None or len(names) > _MAX_NAMES:
-            return None
-        text = source[position:start]
-        parts.append(_escaped(text) if depth else '')
-        if part.names and root < 0:
-            root, declared = len(parts), part.names
-        depth, position = depth + part.change, part.end
-        names += part.names
-        parts += [part.text, part.closing]
-    prefixes = {name.split(':')[0] for name in names if ':' in name} - {'xml', 'xmlns'}
-    parts[root] += ''.join(' xmlns:{0}="{0}"'.format(prefix) for prefix in sorted(prefixes)
-                           if 'xmlns:' + prefix not in declared)
-    return ''.join(parts)
-
-
-def _other(source: str, start: int) -> Optional[_Part]:
-    """Return what is no tag of an element; None for that, and for what does not end."""
-    for opening, closing in _OTHERS:
-        if source.startswith(opening, start):
-            end = source.find(closing, start + len(opening)) + len(closing)
-            return None if end < len(closing) else _Part(
-                source[start:end] if opening == _CDATA else '', end)
-    return None
-
-
-def _tag(source: str, start: int) -> Optional[_Part]:
-    opening = _TAG.match(source, start)
-    if opening is None:
-        return None
-    names, position = [opening.group(2)], opening.end()
-    written = ['<' + opening.group(1) + names[0]]
-    attribute: Optional[Match[str]] = _ATTRIBUTE.match(source, position)
-    while attribute is not None:
-        names.append(attribute.group(1))
-        value = next(each for each in attribute.groups()[1:] if each is not None)
-        written.append('{}="{}"'.format(names[-1], _escaped(value).replace('<', '&lt;')
-                                        .replace('"', '&quot;')))
-        position = attribute.end()
-        attribute = _ATTRIBUTE.match(source, position)
-    end = _END_OF_TAG.match(source, position)
-    if end is None:
-        return None
-    change = -1 if opening.group(1) else 0 if end.group(1) else 1
-    return _Part(' '.join(written), end.end(), end.group(1) + '>', change, tuple(names))
-
-
-def _escaped(text: str) -> str:
-    return _CONTROL.sub(' ', _BARE_AMPERSAND.sub('&amp;', text))
 
 
 def check_xml(text: Union[str, bytes]) -> None:
@@ -241,83 +147,3 @@ def _check_length(text: Union[str, bytes]) -> None:
     if found:
         raise MarkupError('a tag, comment or text at line {} has more than {} characters'.format(
             characters.count('\n', 0, found.start()) + 1, _MAX_TAG))
-
-
-@functools.lru_cache(maxsize=None)
-def _yaml_loader() -> Any:
-    """Return PyYAML's loader with the angles that rosparam knows, which it makes radians."""
-    import yaml
-
-    class Loader(yaml.SafeLoader):
-        """A class of its own, so that other users of PyYAML do not get the angles."""
-
-    for tag, function, unit in (('!degrees', 'deg', math.pi / 180), ('!radians', 'rad', 1.0)):
-        Loader.add_constructor(tag, lambda loader, node, unit=unit: unit * _angle(
-            loader.construct_scalar(node)))
-        Loader.add_implicit_resolver(tag, re.compile(function + r'\(.*\)$'), function[0])
-    return Loader
-
-
-def _angle(text: str) -> float:
-    """Return the value of a number in a text, or of a product or quotient with pi.
-
-    >>> _angle('deg(120)'), _angle('-pi/2')
-    (120.0, -1.5707963267948966)
-    """
-    found = re.fullmatch(r'\s*(?:(?:deg|rad)\((.*)\)|(.*))\s*', text)
-    first, *rest = re.split('([*/])', (found and (found.group(1) or found.group(2))) or '')
-    value = _factor(first)
-    for operator, word in zip(rest[::2], rest[1::2]):
-        value = value * _factor(word) if operator == '*' else value / _factor(word)
-    return value
-
-
-def _factor(word: str) -> float:
-    return {'pi': math.pi, '-pi': -math.pi}.get(word.strip()) or float(word)
-
-
-def load_yaml(text: bytes) -> Any:
-    """Return the content of a YAML text; raise MarkupError if it cannot be read.
-
-    Aliases can make a small text a tree of any size: check its types before it is printed.
-    """
-    import yaml  # takes time, and few need it
-    try:
-        loader = _yaml_loader()(text)
-        node = loader.get_single_node()
-        _refuse_twice(loader, node, set())
-        return None if node is None else loader.construct_document(node)
-    except MarkupError:
-        raise
-    except RecursionError:
-        raise MarkupError('nested too deeply')
-    except yaml.MarkedYAMLError as error:
-        mark = error.problem_mark
-        where = ', line {}, column {}'.format(mark.line + 1, mark.column + 1) if mark else ''
-        raise MarkupError('no YAML{}: {}'.format(where, shortened(error.problem or 'unreadable')))
-    # PyYAML's constructors raise nearly everything: for !!int "" an IndexError
-    except Exception as error:
-        raise MarkupError(one_line(error))
-
-
-def _refuse_twice(loader: Any, node: Any, known: Set[int]) -> None:
-    """Raise MarkupError if a mapping of YAML has a key twice: PyYAML would take the last one.
-
-    1, 1.0 and true are one key in Python.
-    """
-    if id(node) in known or not isinstance(getattr(node, 'value', None), list):
-        return
-    known.add(id(node))     # by an alias, it may be in many places
-    first: Dict[Any, Any] = {}
-    for each in node.value:
-        parts = each if isinstance(each, tuple) else (each,)
-        if len(parts) > 1 and isinstance(parts[0].value, str) and parts[0].value != _MERGE:
-            key = loader.construct_object(parts[0])
-            if key in first:
-                both = first[key], parts[0]
-                raise MarkupError('{} is given twice, in lines {} and {}'.format(
-                    ' or '.join(dict.fromkeys(shortened(each.value) for each in both)),
-                    *(each.start_mark.line + 1 for each in both)))
-            first[key] = parts[0]
-        for part in parts:
-            _refuse_twice(loader, part, known)

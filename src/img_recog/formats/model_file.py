@@ -23,7 +23,9 @@ def is_robot(text: str, controllers: FindControllers = drive_controllers.none) -
     controllers: returns those of ros_control that it can have. Raises SimulationError when it is
     not a URDF.
     """
-    return drive_tags.find(urdf.root_of(text), _ANY_STEP_S, controllers) is not None
+    root = urdf.root_of(text)
+    return drive_tags.is_drive(root.findall('gazebo/plugin')) or (
+        drive_controllers.find(root, controllers, _ANY_STEP_S) is not None)
 
 
 def read(text: str, name: str, find: FindFile,

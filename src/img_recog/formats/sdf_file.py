@@ -12,7 +12,7 @@ from img_recog.errors import SimulationError
 from img_recog.files import FindFile
 from img_recog.formats import (lights, sdf_frames, sdf_models, sdf_populations, sdf_roads,
                                sdf_states)
-from img_recog.formats.audit import NOT_USED
+from img_recog.formats.audit import NOT_USED, Finding
 from img_recog.formats.markup import parse_xml
 from img_recog.formats.numbers import read_numbers
 from img_recog.formats.problems import NOT_DOWNLOADED, Problems
@@ -25,6 +25,7 @@ from img_recog.formats.texts import is_true, name_of, text_of
 from img_recog.model import SUN, Light, Surroundings, Tree
 from img_recog.rotations import Transform
 
+GRAVITY: Tuple[float, ...] = (0.0, 0.0, -9.8)       # m/s2, Gazebo's default
 _MODEL_URI = 'model://'
 _GROUND_PLANE = 'ground_plane'      # its name, and in place of the path of its file
 _SUN = 'sun'
@@ -48,32 +49,40 @@ _Found = Tuple[ElementTree.Element, Version, str]
 _URLS = ('http://', 'https://', 'ftp://')
 
 
-class Contents(NamedTuple):
-    """What an SDF describes.
+class WorldFile(NamedTuple):
+    """A world.
 
-    trees: of all models; gravity (3,): m/s2; has_floor: False for a world that does not include
-    Gazebo's ground_plane as it is; camera: the pose of Gazebo's user camera in the world, if it is
-    given; lights: those of no link.
+    name: of its model or file; trees: what stands in it, besides that floor; gravity (3,): m/s2;
+    warnings: a line for each thing that was left out; has_floor: whether there is Gazebo's
+    ground_plane, at z 0; camera: the pose of Gazebo's user camera in the world, if the file
+    gives it; left_out: what cannot be used; missing_looks: materials and textures that are not
+    found; findings: what is not done as asked; lights: those of no link.
     """
 
-    trees: Tuple[Tree, ...]
-    gravity: Optional[np.ndarray]
-    has_floor: bool
-    camera: Optional[Transform]
-    lights: Tuple[Light, ...]
-    surroundings: Surroundings
+    name: str
+    trees: Tuple[Tree, ...] = ()
+    gravity: Tuple[float, ...] = GRAVITY
+    warnings: Tuple[str, ...] = ()
+    has_floor: bool = True
+    camera: Optional[Transform] = None
+    left_out: Tuple[str, ...] = ()
+    missing_looks: Tuple[str, ...] = ()
+    findings: Tuple[Finding, ...] = ()
+    lights: Tuple[Light, ...] = (SUN,)
+    surroundings: Surroundings = Surroundings()
 
 
-def read(root: ElementTree.Element, path: str, find: FindFile, problems: Problems) -> Contents:
+def read(root: ElementTree.Element, path: str, find: FindFile, problems: Problems) -> WorldFile:
     """Read an <sdf> element.
 
-    path: of its file; find: returns the path of the file or folder at a URI. Models are also
-    searched for in the folders above the file. problems: to which is added what cannot be used.
+    The result has no name yet. path: of its file; find: returns the path of the file or folder at
+    a URI. Models are also searched for in the folders above the file. problems: to which is added
+    what cannot be used.
     """
     world = root.find('world')
     reader = _Reader(find, problems, has_floor=world is None)
     reader.read(root if world is None else world, version_of(root), path, (os.path.abspath(path),))
-    gravity, camera, surroundings = None, None, Surroundings()
+    gravity, camera, surroundings = GRAVITY, None, Surroundings()
     if world is not None:
         with problems.left_out():
             text = world.findtext('gravity')
@@ -83,7 +92,8 @@ def read(root: ElementTree.Element, path: str, find: FindFile, problems: Problem
                                      'the world')        # as in Gazebo
             elif text is None:
                 text = in_physics
-            gravity = None if text is None else read_numbers('<gravity>', text, 3)
+            if text is not None:
+                gravity = tuple(read_numbers('<gravity>', text, 3).tolist())
         with problems.left_out():
             element = world.find('gui/camera')
             if element is not None and element.find('pose') is not None:
@@ -92,8 +102,9 @@ def read(root: ElementTree.Element, path: str, find: FindFile, problems: Problem
             scene = world.find('scene')
             surroundings = surroundings if scene is None else lights.surroundings(scene)
     # a model alone stands in Gazebo's empty world
-    return Contents(tuple(reader.trees), gravity, reader.has_floor, camera,
-                    (SUN,) if world is None else tuple(reader.lights.values()), surroundings)
+    return WorldFile('', tuple(reader.trees), gravity, has_floor=reader.has_floor, camera=camera,
+                     lights=(SUN,) if world is None else tuple(reader.lights.values()),
+                     surroundings=surroundings)
 
 
 class _Reader:

@@ -3,44 +3,19 @@ import dataclasses
 import os
 import re
 import xml.etree.ElementTree as ElementTree
-from typing import Callable, Dict, NamedTuple, Optional, Tuple, Union
+from typing import Callable, Dict, Union
 
 from img_recog.errors import SimulationError
 from img_recog.files import FindFile, find_in, find_user_path
 from img_recog.formats import lumping, sdf_file, sdf_versions, urdf
-from img_recog.formats.audit import Finding
 from img_recog.formats.markup import MarkupError, check_expanded, parse_xml, read_bytes
 from img_recog.formats.problems import Problems
-from img_recog.model import SUN, Light, Model, Surroundings, Tree
-from img_recog.rotations import Transform
+from img_recog.formats.sdf_file import WorldFile
+from img_recog.model import Model, Tree
 
 ReadFile = Callable[[str], Union[str, bytes]]
 
 EMPTY = 'empty'
-GRAVITY = (0.0, 0.0, -9.8)      # m/s2, Gazebo's default
-
-
-class WorldFile(NamedTuple):
-    """A world.
-
-    name: of its model or file; trees: what stands in it, besides that floor; gravity (3,): m/s2;
-    warnings: a line for each thing that was left out; has_floor: whether there is Gazebo's
-    ground_plane, at z 0; camera: the pose of Gazebo's user camera in the world, if the file
-    gives it; left_out: what cannot be used; missing_looks: materials and textures that are not
-    found; findings: what is not done as asked; lights: those of no link.
-    """
-
-    name: str
-    trees: Tuple[Tree, ...] = ()
-    gravity: Tuple[float, ...] = GRAVITY
-    warnings: Tuple[str, ...] = ()
-    has_floor: bool = True
-    camera: Optional[Transform] = None
-    left_out: Tuple[str, ...] = ()
-    missing_looks: Tuple[str, ...] = ()
-    findings: Tuple[Finding, ...] = ()
-    lights: Tuple[Light, ...] = (SUN,)
-    surroundings: Surroundings = Surroundings()
 
 
 def read(world: str, worlds: Dict[str, str], find: FindFile = lambda uri: None,
@@ -101,13 +76,11 @@ def fixed_tree(model: Model, name: str, problems: Problems) -> Tree:
 
 def _read_sdf(root: ElementTree.Element, path: str, find: FindFile,
               problems: Problems) -> WorldFile:
-    contents = sdf_file.read(root, path, find, problems)
-    gravity = GRAVITY if contents.gravity is None else tuple(contents.gravity.tolist())
+    file = sdf_file.read(root, path, find, problems)
     name = os.path.splitext(os.path.basename(path))[0]
-    warnings = tuple('world {}: model {}: {}'.format(name, tree.name, warning)
-                     for tree in contents.trees for warning in tree.model.warnings)
-    return WorldFile(name, contents.trees, gravity, warnings, contents.has_floor, contents.camera,
-                     lights=contents.lights, surroundings=contents.surroundings)
+    return file._replace(name=name, warnings=tuple(
+        'world {}: model {}: {}'.format(name, tree.name, warning)
+        for tree in file.trees for warning in tree.model.warnings))
 
 
 def _parsed(world: str, path: str, worlds: Dict[str, str],

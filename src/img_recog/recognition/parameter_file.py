@@ -4,7 +4,8 @@ import reprlib
 from typing import Any, Dict, List, Sequence
 
 from img_recog.errors import one_line, shortened
-from img_recog.formats.markup import MarkupError, load_yaml, read_bytes
+from img_recog.formats.markup import MarkupError, read_bytes
+from img_recog.formats.yaml_text import load_yaml
 from img_recog.recognition.settings import (DEFAULT_COLORS, RecognitionSettings, color_in,
                                             color_names, with_colors)
 from img_recog.settings import ParameterError, SettingError, from_mapping, setting_fields, unknown

@@ -6,6 +6,7 @@ import pytest
 
 from img_recog.camera import calibration
 from img_recog.formats import markup, model_file, world_file
+from img_recog.formats.yaml_text import load_yaml
 from img_recog.loading import robot_file
 from img_recog.recognition import parameter_file
 from img_recog.simulation.robot_spec import read_robot
@@ -200,21 +201,21 @@ def test_hostile_yaml_is_one_line_wherever_it_is_read(tmp_path, text):
     ('rad(2*pi)', 6.2831853), ('!radians pi/2', 1.5707963), ('rad(-1.5)', -1.5),
     ('deg(-90)', -1.5707963), ('degree', 'degree'), ('"deg(5)"', 'deg(5)')])
 def test_angles_of_yaml_are_those_of_rosparam(text, value):
-    found = markup.load_yaml('a: {}'.format(text).encode())['a']
+    found = load_yaml('a: {}'.format(text).encode())['a']
     assert found == (value if isinstance(value, str) else pytest.approx(value))
 
 
 @pytest.mark.parametrize('text', [b'deg(x)', b'!degrees [1]', b'rad()', b'rad(1/0)'])
 def test_wrong_angles_of_yaml_are_one_line(text):
-    assert '\n' not in refusal(markup.load_yaml, text)
+    assert '\n' not in refusal(load_yaml, text)
 
 
 def test_yaml_that_is_too_deep_for_python():
-    assert refusal(markup.load_yaml, b'[' * 1000) == 'nested too deeply'
+    assert refusal(load_yaml, b'[' * 1000) == 'nested too deeply'
 
 
 def test_an_error_of_yaml_has_its_place():
-    problem = refusal(markup.load_yaml, b'- name: a\n  x_pos: [1, 2\n')
+    problem = refusal(load_yaml, b'- name: a\n  x_pos: [1, 2\n')
     assert problem.startswith('no YAML, line 3, column 1: ') and 'expected' in problem, problem
 
 
@@ -228,7 +229,7 @@ def test_an_error_of_yaml_has_its_place():
     (b'16: a\n0x10: b\n', '16 or 0x10 is given twice, in lines 1 and 2'),
     (b'a: &a x\nb: {*a : 1, *a : 2}\n', 'x is given twice, in lines 1 and 1')])
 def test_a_key_of_yaml_that_is_given_twice_is_named(text, problem):
-    assert refusal(markup.load_yaml, text) == problem
+    assert refusal(load_yaml, text) == problem
 
 
 @pytest.mark.parametrize('text, content', [
@@ -237,4 +238,4 @@ def test_a_key_of_yaml_that_is_given_twice_is_named(text, problem):
      {'a': {'x': 1, 'y': 2}, 'b': {'x': 3, 'y': 2}, 'c': {'x': 1, 'y': 2}}),
     (b'- a\n- a\n', ['a', 'a']), (b'', None), (b'7', 7)])
 def test_yaml_without_a_key_that_is_given_twice(text, content):
-    assert markup.load_yaml(text) == content
+    assert load_yaml(text) == content

@@ -134,3 +134,14 @@ def test_unusual_names():
     for name in ('a b', 'a/b', '\u00e4\u2603', '%s<&">', '\U0001f916' * 125):
         tree, = model_file.read(SDF.format(MODEL), name, nowhere)
         assert tree.model.name == name
+
+
+@pytest.mark.parametrize('plugin, expected', [
+    ('', False), ('<plugin filename="libgazebo_ros_p3d.so"/>', False),
+    ('<plugin filename="libgazebo_ros_diff_drive.so"/>', True),
+    # so that a wrong value is refused where the robot is read
+    ('<plugin filename="libgazebo_ros_diff_drive.so"><wheelTorque>x</wheelTorque></plugin>',
+     True)])
+def test_a_robot_is_what_has_a_drive(plugin, expected):
+    text = '<robot name="r"><link name="l"/><gazebo>{}</gazebo></robot>'.format(plugin)
+    assert model_file.is_robot(text) == expected

@@ -127,7 +127,7 @@ def test_a_model_file_is_a_world_with_the_floor(folder):
     root = ElementTree.fromstring('<sdf version="1.6"><model name="m">' + LINK + '</model></sdf>')
     contents = sdf_file.read(root, str(folder / 'a.sdf'), lambda uri: None, Problems())
     assert places(contents) == {'m': [0, 0, 1]}
-    assert contents.gravity is None and contents.has_floor
+    assert contents.gravity == sdf_file.GRAVITY and contents.has_floor
 
 
 def test_what_is_not_found_is_named_once(folder):
@@ -253,7 +253,8 @@ def test_the_pose_of_the_user_camera(folder):
      '<pose> of camera user_camera')])
 def test_wrong_numbers_are_left_out(folder, inside, words):
     contents = read(folder, inside, include('model://table'), problems=[words])
-    assert (contents.gravity, contents.camera) == (None, None) and len(contents.trees) == 1
+    assert (contents.gravity, contents.camera) == (sdf_file.GRAVITY, None)
+    assert len(contents.trees) == 1
 
 
 def test_what_an_include_says_replaces_what_the_model_says(folder):
@@ -275,13 +276,13 @@ def test_the_state_has_six_numbers_and_replaces_the_pose(folder):
 
 
 @pytest.mark.parametrize('inside, gravity', [
-    ('', None), ('<gravity>1 2 3</gravity>', [1, 2, 3]),
-    ('<physics><gravity>1 2 3</gravity></physics>', None),
-    ('<physics><gravity>1 2 3</gravity></physics><gravity>4 5 6</gravity>', [4, 5, 6]),
-    ('<physics/>', None)])
+    ('', sdf_file.GRAVITY), ('<gravity>1 2 3</gravity>', (1, 2, 3)),
+    ('<physics><gravity>1 2 3</gravity></physics>', sdf_file.GRAVITY),
+    ('<physics><gravity>1 2 3</gravity></physics><gravity>4 5 6</gravity>', (4, 5, 6)),
+    ('<physics/>', sdf_file.GRAVITY)])
 def test_gravity(folder, inside, gravity):
     contents = read(folder, inside)
-    assert (None if contents.gravity is None else contents.gravity.tolist()) == gravity
+    assert contents.gravity == gravity
     assert contents.trees == ()
 
 

@@ -6,7 +6,8 @@ from typing import Any, Callable, Dict, List, Mapping, NamedTuple, Optional
 import rosgraph
 
 from img_recog.errors import UserError, one_line, shortened
-from img_recog.formats.markup import MarkupError, load_yaml, read_bytes
+from img_recog.formats.markup import MarkupError, read_bytes
+from img_recog.formats.yaml_text import load_yaml
 from img_recog.settings import (SettingError, Settings, any_value, at_least, between,
                                 from_mapping, not_empty, setting, setting_fields, unknown)
 

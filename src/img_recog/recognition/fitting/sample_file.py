@@ -4,7 +4,8 @@ from typing import Any, Dict, Sequence, Tuple
 
 from img_recog.errors import UserError, one_line, shortened, suggestion
 from img_recog.files import plain
-from img_recog.formats.markup import MarkupError, load_yaml, read_bytes
+from img_recog.formats.markup import MarkupError, read_bytes
+from img_recog.formats.yaml_text import load_yaml
 from img_recog.recognition.fitting.samples import (IGNORED, NO_COLOR, Range, Region, SampleError,
                                                    Samples, corners)
 from img_recog.recognition.settings import SettingError, color_names
