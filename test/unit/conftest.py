@@ -28,9 +28,12 @@ class FakeClock:
         self.now_s += seconds
 
 
-@pytest.fixture
+@pytest.fixture(autouse=True)
 def handlers_as_before():
-    """Set the handlers of signals that end a program as they were, after the test."""
+    """Set the handlers of signals that end a program as they were, after the test.
+
+    A program that a test runs in its own process would leave them to the tests after it.
+    """
     before = {signum: signal.getsignal(signum)
               for signum in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)}
     yield
