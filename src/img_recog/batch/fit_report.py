@@ -196,7 +196,8 @@ class Report:
             settings.min_blob_size)]
         for text, path in [('Histograms with the bounds', self.paths[2]), *(
                 (text, path) for path, text in pictures)]:
-            lines += ['', text, '', '![{}]({})'.format(text, os.path.basename(path))]
+            lines += ['', text, '', '![{}]({})'.format(
+                text.splitlines()[0], os.path.basename(path))]
         return '\n'.join(lines) + '\n'
 
 

@@ -317,6 +317,7 @@ def test_the_worst_frames_are_drawn(fit, tmp_path):
     assert fit('a.png', 'd.png')[0] == 0
     report = open('fit_colors.md').read()
     assert 'red: frame 0 of d.png, 400 px wrong\n\n- red: 400 px, above the limit of ' in report
+    assert '\n\n![red: frame 0 of d.png, 400 px wrong](fit_colors_worst_1.png)\n' in report
     drawn = cv2.imread('fit_colors_worst_1.png')
     assert drawn.shape == picture(RED).shape and (drawn != picture(RED)).any()
 
