@@ -7,7 +7,8 @@ from img_recog.command_line.option_types import allowed
 from img_recog.errors import UserError
 
 _SECONDS = allowed(float, lambda seconds: 0 < seconds <= 1e6, 'a number above 0, at most 1e6')
-_NO_MASTER = ' It needs no master. Exits with 1 if it cannot be used.'
+_NO_MASTER = (' It needs no master. Exits with 1 if it cannot be used, with 2 if something that '
+              'the file asks for is not done.')
 
 
 class _Partial(programs.Incomplete):
@@ -42,7 +43,7 @@ def _check_world(words: List[str], _: object) -> str:
     parser.add_argument('file', metavar='FILE',
                         help='an SDF, URDF or xacro file, or what else `world` can be')
     parser.add_argument('--allow-partial-world', action='store_true',
-                        help='exit with 0 also if something is left out')
+                        help='do not exit with 1 if something is left out')
     options = parser.parse_args(words)
     from img_recog.checks import world_check
     return _text(world_check.check(options.file, options.allow_partial_world))
