@@ -20,7 +20,7 @@ Names that are used
         `impl` of a Publisher: publock, closed, connections, is_latch, latch, seq.
     rosout.py
         rospy.impl.rosout: Publisher, which is replaced, and _rosout_pub.
-        rospy.impl.paramserver: get_param_server_cache().set().
+        rospy.impl.paramserver: get_param_server_cache().get, which is replaced.
         rospy.impl.registration.get_topic_manager().get_topics().
     redelivery.py
         `impl` of a Publisher: connections.

@@ -29,8 +29,18 @@ def init_node(name: str, **options) -> None:
     rosout.Publisher = _publisher
     rospy.init_node(name, **options)
     with contextlib.suppress(OSError, xmlrpc.client.Error):     # then it is asked for each line
-        paramserver.get_param_server_cache().set(
-            parameters.LOG_TOPICS_ARE_LEFT_OUT, parameters.log_topics_are_left_out())
+        _keep(parameters.LOG_TOPICS_ARE_LEFT_OUT, parameters.log_topics_are_left_out())
+
+
+def _keep(name: str, value: bool) -> None:
+    """Let rospy have the value of a parameter without asking the master.
+
+    If it were set in rospy's cache, that would answer for the namespace of the parameter, too:
+    rospy.get_param('/') would return this parameter alone.
+    """
+    cache = paramserver.get_param_server_cache()
+    in_cache = cache.get
+    setattr(cache, 'get', lambda key: value if key == name else in_cache(key))
 
 
 def _publisher(name: str, data_class: type, latch: bool, queue_size: int) -> DirectPublisher:

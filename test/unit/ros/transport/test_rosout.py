@@ -14,7 +14,9 @@ def init_node(monkeypatch):
     for name in ('Publisher', '_rosout_pub'):
         monkeypatch.setattr(rospy_rosout, name, getattr(rospy_rosout, name))
     monkeypatch.setattr(rospy, 'init_node', lambda *args, **options: rospy_rosout.init_rosout())
-    monkeypatch.setattr(paramserver.get_param_server_cache(), 'd', None)
+    cache = paramserver.get_param_server_cache()
+    monkeypatch.setattr(cache, 'd', None)
+    monkeypatch.setattr(cache, 'get', cache.get)
 
     def call(get_param):
         monkeypatch.setattr(rospy, 'get_param', get_param)
@@ -34,10 +36,18 @@ def test_whether_topics_are_named_is_asked_once(fast, init_node, value):
     assert rospy.get_param_cached('/rosout_disable_topics_generation') is value
 
 
+def test_other_parameters_are_asked_of_the_master(fast, init_node):
+    init_node(lambda name, default: True)
+    for name in '/', '/other':
+        with pytest.raises(KeyError):
+            paramserver.get_param_server_cache().get(name)
+
+
 def refuse(*_):
     raise ConnectionRefusedError('no master')
 
 
 def test_without_a_master_the_node_starts_and_rospy_asks_later(fast, init_node):
     init_node(refuse)
-    assert paramserver.get_param_server_cache().d is None
+    with pytest.raises(KeyError):
+        paramserver.get_param_server_cache().get('/rosout_disable_topics_generation')
