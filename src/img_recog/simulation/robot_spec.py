@@ -1,5 +1,6 @@
 """What a robot, or a model with sensors, is made from: its file and its settings."""
 import dataclasses
+import functools
 import xml.etree.ElementTree as ElementTree
 from typing import (Any, Callable, Iterator, List, Mapping, NamedTuple, Sequence, Tuple, Union,
                     cast)
@@ -89,6 +90,8 @@ def read_robot(urdf: Union[str, ElementTree.Element], step_s: float, find: FindF
     Raises SimulationError naming the source when it is not a URDF that can be simulated, or the
     value of a tag is not allowed.
     """
+    # several look for them, and each answer is one of the master
+    controllers = functools.lru_cache(maxsize=None)(controllers)
     try:
         root = urdf_file.root_of(urdf)
         model = lumping.lumped(urdf_file.read(root, find, controllers))

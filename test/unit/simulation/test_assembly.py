@@ -4,8 +4,11 @@ import re
 import pybullet
 import pytest
 
+from img_recog.conversions.sensor_table import SENSORS
+from img_recog.simulation.robot_spec import read_robot
 from img_recog.simulation.sensors.odometry import OdometrySettings
 from img_recog.simulation.settings import RobotSettings
+from img_recog_helpers import wheeled
 from img_recog_helpers.refusals import refusal
 from img_recog_helpers.robots import assemble, burger, burgers_drive, read
 from img_recog_helpers.sdf import BUILT_IN, CRATE, sdf
@@ -150,3 +153,14 @@ def test_text_that_cannot_be_used_is_refused_with_its_source(value, words):
 def test_robot_that_does_not_fit_its_settings_is_refused_with_its_source(urdf, joint, words):
     assert refusal(assemble, urdf=urdf, drive=burgers_drive(left_joint=joint)) == (
         'cannot use the robot in robot_description: ' + words)
+
+
+def test_the_controllers_of_a_robot_are_asked_for_once():
+    asked = []
+
+    def controllers(namespace):
+        asked.append(namespace)
+        return wheeled.controllers()
+    spec = read_robot(wheeled.robot(wheeled.plugin('gazebo_ros_control')), 0.001, lambda uri: None,
+                      'robot', SENSORS, controllers)
+    assert (spec.settings.drive.left_joint, asked) == ('left_0_joint', [''])
