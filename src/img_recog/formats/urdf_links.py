@@ -83,8 +83,8 @@ class Links:
                   for element, shape in kept['collision']]
         if lost['collision'] and not solids:
             solids = [Solid(look.shape, look.pose, friction) for look in looks]
-        lamps = [lights.light(light, pose_of(light)) for tag in self._tags
-                 if tag.get('reference') == name for light in tag.findall('light')]
+        lamps = [lights.light(light, pose_of(light)) for tag in self._tags_of(name)
+                 for light in tag.findall('light')]
         return Link(name, _inertia(link), tuple(solids), tuple(looks), _contact(link),
                     lights=tuple(lamps), **self._motion(name))
 
@@ -95,7 +95,7 @@ class Links:
         collides = text_of_tags(self._robot, name, 'selfCollide', 'self_collide') or text_of_tags(
             self._robot, '', 'self_collide')
         # each tag says it in Gazebo, also one without <turnGravityOff>
-        tags = [tag for tag in self._tags if tag.get('reference') == name]
+        tags = self._tags_of(name)
         return {'has_gravity': not is_true(tags[-1].findtext('turnGravityOff')) if tags else None,
                 'decay': (factor, factor), 'space': name if is_true(collides) else ''}
 
@@ -128,15 +128,18 @@ class Links:
             friction = frictions.of_surface(element, link)
             if friction is not None and element.find('surface/friction/ode/mu2') is None:
                 friction = Friction(friction.mu)
-        bitmasks = [bitmask(collision) for tag in self._tags if tag.get('reference') == link
+        bitmasks = [bitmask(collision) for tag in self._tags_of(link)
                     for collision in tag.findall('collision')]
         contact = frictions.contact_of(element, link, self._text_of_tags(link))
         return Solid(shape, friction=friction, bitmask=min([ALL_BITS, *bitmasks]),
                      contact=contact).moved(origin_of(element))
 
+    def _tags_of(self, link: str) -> List[ElementTree.Element]:
+        return [tag for tag in self._tags if tag.get('reference') == link]
+
     def _text_of_tags(self, link: str) -> frictions.TextOf:
         """Return what returns the text of an element in Gazebo's tags for a link."""
-        tags = [tag for tag in self._tags if tag.get('reference') == link]
+        tags = self._tags_of(link)
 
         def text(element: str) -> Optional[str]:
             found = [each for tag in tags for each in tag.findall(element)]
@@ -149,10 +152,9 @@ class Links:
         or that of a collision there, else PyBullet's <lateral_friction>; None without.
         """
         name = name_of(link)
-        tags = [tag for tag in self._tags if tag.get('reference') == name]
         found = [frictions.of_texts(self._text_of_tags(name), name, 'mu1'),
                  *(frictions.of_surface(collision, name)
-                   for tag in tags for collision in tag.findall('collision'))]
+                   for tag in self._tags_of(name) for collision in tag.findall('collision'))]
         of_link = link.find('contact/lateral_friction')
         if of_link is not None:
             found.append(Friction(read_coefficient('lateral_friction of link ' + name,
