@@ -143,6 +143,16 @@ def test_sensors_of_models_are_printed_and_drawn_by_their_names(run, tmp_path):
     assert image.shape == (24, 32, 3) and (image == image[..., :1]).all() and image.std() > 5
 
 
+def test_what_cannot_be_drawn_is_said(run, tmp_path):
+    (tmp_path / 'bad.stl').write_text('solid bad')
+    (tmp_path / 'eyes.sdf').write_text(sdf(BUILT_IN, WALL, EYES).replace(
+        '</link>', '<visual name="bad"><geometry><mesh><uri>bad.stl</uri></mesh></geometry>'
+        '</visual></link>', 1))
+    code, lines = run('simulate.py', 'eyes.sdf', '--until', '0.01', '--pictures', '.')
+    assert code == 2
+    assert any(line.startswith('warning: not drawn: cannot read the mesh') for line in lines)
+
+
 def test_a_motor_drives_a_joint(run, tmp_path):
     (tmp_path / 'door.sdf').write_text(sdf(BUILT_IN, DOOR))
     code, lines = run('simulate.py', 'door.sdf', '--until', '0.5', '--every', '0.5',

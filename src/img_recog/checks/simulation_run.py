@@ -8,15 +8,12 @@ from typing import Any, Dict, Iterator, List, NamedTuple, Sequence, Tuple
 
 import cv2
 
-from img_recog.conversions import robot_cameras
+from img_recog.conversions.robot_cameras import DrawnCamera, Drawing
 from img_recog.errors import UserError
 from img_recog.loading import assemble
-from img_recog.rendering import lens_views, renderer
 from img_recog.simulation.carrier import Carrier
 from img_recog.simulation.figures import Figures
 from img_recog.simulation.models import Models
-from img_recog.simulation.pictures import visual_scene
-from img_recog.simulation.pictures.visual_scene import Parts
 from img_recog.simulation.settings import PhysicsSettings, SpawnSettings
 
 _EXPECTED = {'--twist': 'V,W: two numbers, m/s and rad/s',
@@ -124,20 +121,16 @@ class Run:
 
     def _draw(self, folder: str) -> None:
         """Write a PNG of each camera."""
-        parts = Parts(self._simulator)
-        drawn_by = renderer.make()
-        drawn_by.load(visual_scene.read(self._built.scene, parts), parts.poses())
+        drawing = Drawing(self._built)
+        self.warnings += ['not drawn: ' + line for line in drawing.missing]
+        self.left_out = (*self.left_out, *drawing.missing)
         os.makedirs(folder, exist_ok=True)
         for carrier in self._simulator.carriers:
             names = {each.name: each.label for each in carrier.sensors}
             for sensor, camera in carrier.cameras.items():
-                camera.poses, name = parts.poses, names[sensor]
-                exposure = camera.read()
-                image = lens_views.draw(drawn_by, robot_cameras.camera_of(camera.settings),
-                                        exposure.camera_pose, exposure.poses)
-                noise = robot_cameras.noise_of(camera.settings)
-                if noise is not None:
-                    noise.add(image, zlib.crc32(name.encode()))
+                camera.poses, name = drawing.poses, names[sensor]
+                image = drawing.image(DrawnCamera(camera.settings), camera.read(),
+                                      zlib.crc32(name.encode()))
                 path = os.path.join(folder, re.sub('[^A-Za-z0-9_.-]+', '_', name) + '.png')
                 if not cv2.imwrite(path, cv2.cvtColor(image, cv2.COLOR_RGB2BGR)):
                     raise UserError('cannot write ' + path, 'give --pictures another folder')

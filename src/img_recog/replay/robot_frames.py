@@ -5,15 +5,12 @@ from typing import Any, Callable, Iterator
 import genpy
 from std_msgs.msg import Header
 
-from img_recog.conversions import robot_cameras
+from img_recog.conversions.robot_cameras import DrawnCamera, Drawing
 from img_recog.recordings.camera_infos import CameraInfos, of_calibration
 from img_recog.recordings.frames import SECOND_NS, Frame, Frames
-from img_recog.rendering import lens_views, renderer
 from img_recog.rendering.light import Light, LightSettings
 from img_recog.settings import nearest_period
 from img_recog.simulation.assembly import Assembly
-from img_recog.simulation.pictures import visual_scene
-from img_recog.simulation.pictures.visual_scene import Parts
 from img_recog.simulation.sensors.robot_camera import RobotCamera
 from img_recog.simulation.settings import CameraSettings
 
@@ -35,20 +32,16 @@ class RobotFrames(Frames):
         that nothing else uses meanwhile, by default a new one.
         """
         super().__init__(settings.camera_frame)
-        self._parts = Parts(built.simulator)
-        self._settings, self._camera = settings, robot_cameras.camera_of(settings)
+        self._camera, self._drawing = DrawnCamera(settings), Drawing(built, drawn_by)
         vehicle, = built.simulator.vehicles
-        self._sensor = RobotCamera(vehicle.robot, settings, self._parts.poses)
-        self._noise = robot_cameras.noise_of(settings)
+        self._sensor = RobotCamera(vehicle.robot, settings, self._drawing.poses)
         self._noise_seed = noise_seed
         self._light = None if light == LightSettings() else Light(light)
         self._frame_id = settings.camera_optical_frame
         step_s = built.simulator.world.step_s
         self.period_ns = round(nearest_period(settings.camera_rate, step_s) * SECOND_NS)
         self.expected = max(1, round(seconds * SECOND_NS / self.period_ns))
-        self._renderer = drawn_by or renderer.make()
-        for reason in self._renderer.load(visual_scene.read(built.scene, self._parts),
-                                          self._parts.poses()):
+        for reason in self._drawing.missing:
             _log.warning('not drawn: %s', reason)
         self._simulate_until: Callable[[int], None] = lambda time_ns: None
 
@@ -58,20 +51,15 @@ class RobotFrames(Frames):
 
     def camera_infos(self) -> CameraInfos:
         """Return those of the camera."""
-        return of_calibration(robot_cameras.calibration_of(self._settings))
+        return of_calibration(self._camera.calibration)
 
     def read(self) -> Iterator[Frame]:
         """Yield all frames."""
         for number in range(self.expected):
             stamp_ns = number * self.period_ns
             self._simulate_until(stamp_ns)
-            exposure = self._sensor.read()
-            image = lens_views.draw(self._renderer, self._camera, exposure.camera_pose,
-                                    exposure.poses)
-            if self._light is not None:
-                self._light.apply(image)
-            if self._noise is not None:
-                self._noise.add(image, self._noise_seed + number)
+            image = self._drawing.image(self._camera, self._sensor.read(),
+                                        self._noise_seed + number, self._light)
             self.note(used=1)
             header = Header(seq=number, stamp=genpy.Time(nsecs=stamp_ns), frame_id=self._frame_id)
             yield Frame(number, stamp_ns, header, image, 'rgb8')

@@ -13,11 +13,13 @@ from sensor_msgs.msg import CameraInfo, PointCloud2
 from std_msgs.msg import Header
 
 from img_recog import rotations
-from img_recog.conversions import camera_info_msgs, depth_msgs, robot_cameras, robot_msgs
+from img_recog.conversions import camera_info_msgs, depth_msgs, robot_msgs
+from img_recog.conversions.robot_cameras import DrawnCamera
 from img_recog.errors import UserError
 from img_recog.nodes.compressed_images import CompressedImages
 from img_recog.simulation.names import topic_fields
 from img_recog.rendering import rays
+from img_recog.rendering.camera import Camera
 from img_recog.rendering.server import Picture, Shot
 from img_recog.ros.transport.direct_publisher import DirectPublisher
 from img_recog.ros.transport.image_publisher import ImagePublisher, LargePublisher
@@ -64,9 +66,7 @@ class CameraTopics:
         self._lock, self._is_closed = threading.Lock(), False
         self._is_kept = redelivery is not None
         self._used: Set[Any] = set()        # the publishers that had a subscriber
-        self.camera = robot_cameras.camera_of(settings)
-        self._calibration = robot_cameras.calibration_of(settings)
-        self._noise = robot_cameras.noise_of(settings)
+        self._drawn = DrawnCamera(settings)
         # so that the noise of two cameras is not the same
         self._own_number = zlib.crc32(settings.camera_image_topic.encode())
         # first: it fails if its parameters are wrong
@@ -81,7 +81,7 @@ class CameraTopics:
                                           _INFO_QUEUE_SIZE, redelivery))
         if settings.camera_points_topic:
             self._points = LargePublisher(settings.camera_points_topic, PointCloud2, redelivery)
-        if self._calibration is None:
+        if self._drawn.calibration is None:
             rospy.logwarn('the camera info on %s has no calibration: no distortion model can say '
                           'what its lens does', settings.camera_info_topic)
 
@@ -99,7 +99,12 @@ class CameraTopics:
 
     def shot(self, exposure: Exposure) -> Shot:
         """Return what is to be drawn of an exposure."""
-        return Shot(self.camera, exposure.camera_pose, self._is_used(self._depths, self._points))
+        return self._drawn.shot(exposure, self._is_used(self._depths, self._points))
+
+    @property
+    def camera(self) -> Camera:
+        """What draws it."""
+        return self._drawn.camera
 
     def publish(self, picture: Picture, time_s: float) -> None:
         """Publish what was drawn of the exposure at a simulated time; may change the image."""
@@ -110,8 +115,7 @@ class CameraTopics:
     def _publish(self, image: np.ndarray, depth: Optional[np.ndarray], time_s: float) -> None:
         header = Header(stamp=robot_msgs.stamp_of(time_s),
                         frame_id=self.settings.camera_optical_frame)
-        if self._noise is not None:
-            self._noise.add(image, round(time_s * 1e6) + self._own_number)
+        self._drawn.add_noise(image, round(time_s * 1e6) + self._own_number)
         encoding = self.settings.camera_encoding
         shown = cv2.cvtColor(image, _FROM_RGB[encoding]) if encoding in _FROM_RGB else image
         self._images.publish(shown, encoding, header)
@@ -139,8 +143,8 @@ class CameraTopics:
 
     def info(self, header: Header) -> CameraInfo:
         """Return the intrinsic parameters; all are zero if no model can say what the lens does."""
-        return camera_info_msgs.to_msg(self._calibration, self.camera.width, self.camera.height,
-                                       header)
+        return camera_info_msgs.to_msg(self._drawn.calibration, self.camera.width,
+                                       self.camera.height, header)
 
     def close(self) -> None:
         """End the topics."""
