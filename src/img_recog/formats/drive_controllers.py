@@ -4,7 +4,7 @@ import xml.etree.ElementTree as ElementTree
 from typing import Any, Callable, Dict, List, Mapping, NamedTuple, Optional, Tuple
 
 from img_recog.errors import SimulationError, shortened
-from img_recog.formats.gazebo_tags import Tags, Values, is_of
+from img_recog.formats.gazebo_tags import DriveDescription, Tags, Values, is_of
 from img_recog.formats.texts import name_of, text_of
 from img_recog.model import PLANAR
 from img_recog.settings import nearest_period
@@ -14,33 +14,12 @@ Controllers = Mapping[str, Mapping[str, Any]]
 # Returns them for the namespace in the plugin, without slashes at the ends, '' for that of the
 # robot.
 FindControllers = Callable[[str], Controllers]
+_Joints = Dict[str, ElementTree.Element]        # by name
 CONTROL = Tags(('gazebo_ros_control', 'fetch_gazebo_plugin'), ())      # run controllers
-CORNERS = {'left_joint': ('leftFrontJoint', 'leftRearJoint'),
-           'right_joint': ('rightFrontJoint', 'rightRearJoint')}
 _JOINT_STATES = 'joint_state_controller/JointStateController'       # always simulated
 _AXES = {'linear': 'linear/x', 'angular': 'angular/z'}
 _OF_FETCH = 'l_wheel_joint', 'r_wheel_joint'      # parameters, and their defaults
 _NO_LIMIT = 1e6         # N m, of a joint without a limit of its effort
-
-
-class Drive(NamedTuple):
-    """How a robot is driven.
-
-    tags: of the plugin; values: settings by name; problems: what of a controller is not simulated.
-    """
-
-    tags: Tags
-    values: Values = {}
-    problems: Tuple[str, ...] = ()
-
-    def with_settings(self, given: Values) -> 'Drive':
-        """Return the drive with settings by name; its own hold where those have none."""
-        values = {**self.values, **given}
-        for side, pair in CORNERS.items():     # the front and the rear wheels together
-            names = [str(values.pop(corner)) for corner in pair if corner in values]
-            if names:
-                values[side] = ', '.join(dict.fromkeys(names))
-        return self._replace(values=values)
 
 
 class _Parameters:
@@ -92,7 +71,7 @@ class _Parameters:
 
 
 def find(robot: ElementTree.Element, find_controllers: FindControllers,
-         step_s: float) -> Optional[Drive]:
+         step_s: float) -> Optional[DriveDescription]:
     """Return the drive of a URDF's <robot> by the first controller that drives its joints.
 
     step_s: of the physics. Raises SimulationError naming a parameter that cannot be used.
@@ -185,7 +164,7 @@ def not_simulated(robot: ElementTree.Element, controllers: Controllers,
     return tuple(found)
 
 
-def _diff_drive(parameters: _Parameters, joints: Dict[str, ElementTree.Element]) -> Drive:
+def _diff_drive(parameters: _Parameters, joints: _Joints) -> DriveDescription:
     """Read those of diff_drive_controller."""
     left, right = parameters.names('left_wheel'), parameters.names('right_wheel')
     radius = parameters.number('wheel_radius_multiplier', 1.0)
@@ -202,18 +181,18 @@ def _diff_drive(parameters: _Parameters, joints: Dict[str, ElementTree.Element])
         values['wheel_separation'] = parameters.number('wheel_separation')
     if parameters.get('wheel_radius') is not None:
         values['wheel_diameter'] = 2 * parameters.number('wheel_radius')
-    return Drive(CONTROL, values, _jerk(parameters))
+    return DriveDescription(CONTROL, values, _jerk(parameters))
 
 
-def _mecanum(parameters: _Parameters, _: Dict[str, ElementTree.Element]) -> Drive:
+def _mecanum(parameters: _Parameters, _: _Joints) -> DriveDescription:
     """Read those of mecanum_drive_controller; the rollers of its wheels are not simulated."""
-    return Drive(CONTROL, {'drive': PLANAR, **_common(parameters)}, _jerk(parameters))
+    return DriveDescription(CONTROL, {'drive': PLANAR, **_common(parameters)}, _jerk(parameters))
 
 
-def _fetch(parameters: _Parameters, joints: Dict[str, ElementTree.Element]) -> Drive:
+def _fetch(parameters: _Parameters, joints: _Joints) -> DriveDescription:
     """Read those of robot_controllers, with the defaults in its code, which are of Fetch."""
     left, right = (parameters.text(name, name) for name in _OF_FETCH)
-    return Drive(CONTROL, {
+    return DriveDescription(CONTROL, {
         'left_joint': left, 'right_joint': right,
         'wheel_separation': parameters.number('track_width', 0.37476),
         'wheel_diameter': 2 / parameters.number('radians_per_meter', 16.5289),
@@ -233,7 +212,7 @@ class _Kind(NamedTuple):
     """wheels: returns the joints that the parameters name; read: what the drive is."""
 
     wheels: Callable[[_Parameters], List[str]]
-    read: Callable[[_Parameters, Dict[str, ElementTree.Element]], Drive]
+    read: Callable[[_Parameters, _Joints], DriveDescription]
 
 
 # by the types that the controllers have

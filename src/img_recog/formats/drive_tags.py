@@ -7,9 +7,10 @@ import xml.etree.ElementTree as ElementTree
 from typing import List, Optional, Sequence
 
 from img_recog.formats import drive_controllers
-from img_recog.formats.drive_controllers import CORNERS, Drive, FindControllers
-from img_recog.formats.gazebo_tags import (FLAG, NAME, NAMES, NUMBER, POSITIVE, RATE, TOPIC, Row,
-                                           Tags, choice, is_of, values_in)
+from img_recog.formats.drive_controllers import FindControllers
+from img_recog.formats.gazebo_tags import (CORNERS, FLAG, NAME, NAMES, NUMBER, POSITIVE, RATE,
+                                           TOPIC, DriveDescription, Row, Tags, choice, is_of,
+                                           values_in)
 from img_recog.model import PLANAR, Model
 
 _WORLD, _ENCODER = 'world', 'encoder'
@@ -32,7 +33,7 @@ def _other_sizes(plugin: ElementTree.Element) -> List[str]:
             if len({(each.text or '').strip() for each in plugin.findall(tag)}) > 1]
 
 
-DIFF_DRIVE = Drive(Tags(('gazebo_ros_diff_drive',), (
+DIFF_DRIVE = DriveDescription(Tags(('gazebo_ros_diff_drive',), (
     Row('left_joint', NAMES, 'plugin', 'leftJoint', 'left_joint'),
     Row('right_joint', NAMES, 'plugin', 'rightJoint', 'right_joint'),
     Row('wheel_separation', NUMBER, 'plugin', 'wheelSeparation', 'wheel_separation'),
@@ -54,7 +55,7 @@ DIFF_DRIVE = Drive(Tags(('gazebo_ros_diff_drive',), (
 
 PLUGINS = (
     DIFF_DRIVE,
-    Drive(Tags(('gazebo_ros_skid_steer_drive',), (
+    DriveDescription(Tags(('gazebo_ros_skid_steer_drive',), (
         *(Row(corner, NAME, 'plugin', corner) for pair in CORNERS.values() for corner in pair),
         Row('wheel_separation', NUMBER, 'plugin', 'wheelSeparation'),
         Row('wheel_diameter', NUMBER, 'plugin', 'wheelDiameter'),
@@ -64,19 +65,19 @@ PLUGINS = (
         {'leftFrontJoint': 'left_front_joint', 'leftRearJoint': 'left_rear_joint',
          'rightFrontJoint': 'right_front_joint', 'rightRearJoint': 'right_rear_joint',
          'publish_odom_tf': False}),
-    Drive(Tags(('gazebo_ros_planar_move',), (
+    DriveDescription(Tags(('gazebo_ros_planar_move',), (
         Row('odometry_period_s', RATE, 'plugin', 'odometryRate', 'publish_rate'),
         Row('publish_odom_tf', FLAG, 'plugin', 'publishTF', 'publish_odom_tf'),
         Row('cmd_vel_timeout', POSITIVE, 'plugin', 'cmdTimeout'), *_TOPICS)),
         {'drive': PLANAR, 'odometry_period_s': 0.05}),
     # of hector_gazebo_plugins, and those that others derived from it
-    Drive(Tags(('force_based_move',), (
+    DriveDescription(Tags(('force_based_move',), (
         Row('odometry_period_s', RATE, 'plugin', 'odometryRate'),
         Row('publish_odom_tf', FLAG, 'plugin', 'publishOdometryTf'),
         Row('cmd_vel_timeout', POSITIVE, 'plugin', 'cmdVelTimeOut', 'commandWatchdog'), *_TOPICS)),
         {'drive': PLANAR, 'odometry_period_s': 0.05, 'odometry_source': _ENCODER}),
     # of kobuki_gazebo_plugins; its frames and topics are in its code
-    Drive(Tags(('gazebo_ros_kobuki',), (
+    DriveDescription(Tags(('gazebo_ros_kobuki',), (
         Row('left_joint', NAME, 'plugin', 'left_wheel_joint_name'),
         Row('right_joint', NAME, 'plugin', 'right_wheel_joint_name'),
         Row('wheel_separation', NUMBER, 'plugin', 'wheel_separation'),
@@ -99,7 +100,7 @@ ADVICE = (
 
 
 def find(robot: ElementTree.Element, step_s: float,
-         controllers: FindControllers = drive_controllers.none) -> Optional[Drive]:
+         controllers: FindControllers = drive_controllers.none) -> Optional[DriveDescription]:
     """Return what says how the robot of a URDF's <robot> is driven, None if nothing does.
 
     step_s: of the physics. controllers: returns those of ros_control that it can have. A plugin
@@ -110,7 +111,7 @@ def find(robot: ElementTree.Element, step_s: float,
         robot, controllers, step_s)
 
 
-def of_model(model: Model, step_s: float) -> Optional[Drive]:
+def of_model(model: Model, step_s: float) -> Optional[DriveDescription]:
     """Return the drive of a model of an SDF, None for one that does not drive; errors as for
     `find`.
     """
@@ -132,7 +133,8 @@ def _plugins(model: Model) -> List[ElementTree.Element]:
             for plugin in tag.element.findall('plugin')]
 
 
-def _of_plugins(plugins: Sequence[ElementTree.Element], step_s: float) -> Optional[Drive]:
+def _of_plugins(plugins: Sequence[ElementTree.Element],
+                step_s: float) -> Optional[DriveDescription]:
     """Return the first drive that plugins stand for, with their settings."""
     for plugin in plugins:
         row = _row_of(plugin)
@@ -141,5 +143,5 @@ def _of_plugins(plugins: Sequence[ElementTree.Element], step_s: float) -> Option
     return None
 
 
-def _row_of(plugin: ElementTree.Element) -> Optional[Drive]:
+def _row_of(plugin: ElementTree.Element) -> Optional[DriveDescription]:
     return next((row for row in PLUGINS if is_of(plugin, row.tags)), None)

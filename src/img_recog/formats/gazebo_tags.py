@@ -8,7 +8,7 @@ simulation/sensors/in_files.py looks for them.
 """
 import math
 import xml.etree.ElementTree as ElementTree
-from typing import Any, Callable, Dict, Iterable, Mapping, NamedTuple, Optional, Sequence
+from typing import Any, Callable, Dict, Iterable, Mapping, NamedTuple, Optional, Sequence, Tuple
 
 from img_recog.errors import SimulationError
 from img_recog.formats.numbers import whole
@@ -16,6 +16,9 @@ from img_recog.formats.texts import text_of
 from img_recog.settings import nearest_period
 
 Values = Dict[str, Any]
+# of a skid-steered robot, the joints of its two sides
+CORNERS = {'left_joint': ('leftFrontJoint', 'leftRearJoint'),
+           'right_joint': ('rightFrontJoint', 'rightRearJoint')}
 
 
 class Reader(NamedTuple):
@@ -65,6 +68,26 @@ class Tags(NamedTuple):
     defaults: Mapping[str, Values] = {}
     bare: Values = {}
     not_simulated: Callable[[ElementTree.Element], Iterable[str]] = lambda owner: ()
+
+
+class DriveDescription(NamedTuple):
+    """What a file says of how a robot is driven.
+
+    tags: of the plugin; values: settings by name; problems: what of a controller is not simulated.
+    """
+
+    tags: Tags
+    values: Values = {}
+    problems: Tuple[str, ...] = ()
+
+    def with_settings(self, given: Values) -> 'DriveDescription':
+        """Return the drive with settings by name; its own hold where those have none."""
+        values = {**self.values, **given}
+        for side, pair in CORNERS.items():     # the front and the rear wheels together
+            names = [str(values.pop(corner)) for corner in pair if corner in values]
+            if names:
+                values[side] = ', '.join(dict.fromkeys(names))
+        return self._replace(values=values)
 
 
 def is_of(plugin: ElementTree.Element, tags: Tags) -> bool:

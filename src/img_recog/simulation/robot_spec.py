@@ -2,8 +2,8 @@
 import dataclasses
 import functools
 import xml.etree.ElementTree as ElementTree
-from typing import (Any, Callable, Iterator, List, Mapping, NamedTuple, Sequence, Tuple, Union,
-                    cast)
+from typing import (Any, Callable, Dict, Iterator, List, Mapping, NamedTuple, Sequence, Tuple,
+                    Union, cast)
 
 from img_recog import rotations
 from img_recog.errors import SimulationError
@@ -12,10 +12,13 @@ from img_recog.formats import audit, drive_controllers, drive_tags, lumping, urd
 from img_recog.formats.audit import Finding
 from img_recog.formats.drive_controllers import FindControllers
 from img_recog.formats.meshes.mesh_file import READABLE
-from img_recog.model import Model, Tree
+from img_recog.model import DIFFERENTIAL, PLANAR, Model, Tree
 from img_recog.settings import SettingError, from_mapping
 from img_recog.simulation.names import Names
 from img_recog.simulation.physics import wheels
+from img_recog.simulation.physics.differential_drive import DifferentialDrive
+from img_recog.simulation.physics.drive import Drive, NoDrive
+from img_recog.simulation.physics.planar_drive import PlanarDrive
 from img_recog.simulation.sensors import in_files
 from img_recog.simulation.sensors.sensor import RobotSensor, SensorKind, numbered, sensors_of
 from img_recog.simulation.settings import (CameraSettings, DriveSettings, NoiseSettings,
@@ -24,6 +27,9 @@ from img_recog.simulation.settings import (CameraSettings, DriveSettings, NoiseS
 # read(settings class, values) returns the settings that the user gives, else those in `values`,
 # by name: those of tags, and as the URDF has them, the separation and the diameter of the wheels
 ReadSettings = Callable[[type, Mapping[str, Any]], Any]
+# by the names that the setting `drive` has for them
+_DRIVES: Dict[str, Callable[[DriveSettings], Drive]] = {
+    DIFFERENTIAL: DifferentialDrive, PLANAR: PlanarDrive}
 
 
 class RobotSpec(NamedTuple):
@@ -57,6 +63,11 @@ class RobotSpec(NamedTuple):
         """The settings of its cameras."""
         return [cast(CameraSettings, self.settings.sensors[each.name])
                 for each in self.sensors if each.kind.is_drawn]
+
+    def new_drive(self) -> Drive:
+        """Return a drive with its settings; SimulationError when those cannot be used."""
+        drive = self.settings.drive
+        return _DRIVES[drive.drive](drive) if drive.is_there else NoDrive(drive)
 
     def with_sensor(self, kind: SensorKind, settings: Any) -> 'RobotSpec':
         """Return the robot with one more sensor of a kind, which is in no file."""

@@ -1,23 +1,15 @@
 """A robot with its drive and its sensors."""
 import dataclasses
-from typing import Callable, Dict, Tuple, cast
+from typing import Tuple, cast
 
 from img_recog import rotations
-from img_recog.model import DIFFERENTIAL, PLANAR
 from img_recog.simulation.carrier import Carrier
 from img_recog.simulation.physics.body import Pose
-from img_recog.simulation.physics.differential_drive import DifferentialDrive
-from img_recog.simulation.physics.drive import Drive, NoDrive
-from img_recog.simulation.physics.planar_drive import PlanarDrive
 from img_recog.simulation.physics.robot import SimulatedRobot
 from img_recog.simulation.physics.world import World
 from img_recog.simulation.robot_spec import RobotSpec
 from img_recog.simulation.sensors.odometry import WORLD, OdometrySettings
-from img_recog.simulation.settings import DriveSettings, SpawnSettings, whole_steps
-
-# by the names that the setting `drive` has for them
-_DRIVES: Dict[str, Callable[[DriveSettings], Drive]] = {
-    DIFFERENTIAL: DifferentialDrive, PLANAR: PlanarDrive}
+from img_recog.simulation.settings import SpawnSettings, whole_steps
 
 
 class Vehicle(Carrier):
@@ -34,8 +26,7 @@ class Vehicle(Carrier):
         left in the world then.
         """
         settings = spec.settings
-        make = _DRIVES[settings.drive.drive] if settings.drive.is_there else NoDrive
-        self.drive = make(settings.drive)
+        self.drive = spec.new_drive()
         robot = SimulatedRobot(spec.model, self.drive.motors, settings.spawn,
                                world.physics_client_id)
         super().__init__(spec, world, robot, self.drive)
