@@ -10,7 +10,7 @@ from img_recog.formats import world_file
 from img_recog.loading import assemble
 from img_recog.simulation.physics.client import connect
 from img_recog.simulation.physics.world import World
-from img_recog.simulation.settings import PhysicsSettings
+from img_recog.simulation.simulation_settings import PhysicsSettings
 from img_recog.simulation.vehicle import Vehicle
 
 FOLDER = os.path.join(os.path.dirname(os.path.abspath(__file__)), os.pardir, 'urdf')

@@ -26,7 +26,7 @@ from img_recog.simulation.pictures import visual_scene
 from img_recog.simulation.pictures.scene import Scene, SceneCopy, poses_of
 from img_recog.simulation.pictures.visual_scene import Parts
 from img_recog.simulation.sensors.robot_camera import RobotCamera
-from img_recog.simulation.settings import CameraSettings, SpawnSettings
+from img_recog.simulation.simulation_settings import CameraSettings, SpawnSettings
 
 FRAMES, FRAME_STEPS = 60, 33        # 2 s at 30 Hz, in steps of 1 ms
 SPEEDS = (0.1, 0.5)                 # m/s and rad/s, of drive_sample.py

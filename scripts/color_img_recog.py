@@ -5,5 +5,5 @@ import sys
 
 if __name__ == '__main__':
     signal.signal(signal.SIGINT, signal.SIG_DFL)    # no traceback of a Ctrl-C while modules load
-    from img_recog.nodes.color_extract.node import main
+    from img_recog.nodes.color_extract.color_extract_node import main
     sys.exit(main())

@@ -7,6 +7,6 @@ import sys
 if __name__ == '__main__':
     signal.signal(signal.SIGINT, signal.SIG_DFL)    # no traceback of a Ctrl-C while modules load
     gc.disable()    # a tenth of the start: modules that load leave no garbage
-    from img_recog.nodes.gazebo.node import main
+    from img_recog.nodes.gazebo.gazebo_node import main
     gc.enable()
     sys.exit(main())

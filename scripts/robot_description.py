@@ -3,5 +3,5 @@
 import sys
 
 if __name__ == '__main__':
-    from img_recog.checks.cli import robot_description
+    from img_recog.checks.check_jobs import robot_description
     sys.exit(robot_description())

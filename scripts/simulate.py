@@ -5,5 +5,5 @@ import sys
 
 if __name__ == '__main__':
     signal.signal(signal.SIGINT, signal.SIG_DFL)    # no traceback of a Ctrl-C while modules load
-    from img_recog.checks.cli import simulate
+    from img_recog.checks.check_jobs import simulate
     sys.exit(simulate())

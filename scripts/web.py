@@ -12,7 +12,7 @@ def main():
     """Run the node; return its exit code."""
     gc.disable()        # a tenth of the start: modules that load leave no garbage
     try:
-        from img_recog.nodes.web.node import main as run
+        from img_recog.nodes.web.web_node import main as run
     except ImportError as error:
         sys.stderr.write('[FATAL] web: {}; ./run setup installs what requirements.txt lists, or '
                          'set web:=false\n'.format(error))

@@ -57,12 +57,12 @@ def check(words):
 
 
 def _check_parameters(given):
-    from img_recog.camera.settings import CameraSettings
-    from img_recog.nodes.web.settings import WebSettings
-    from img_recog.simulation import settings
-    for settings_class in (CameraSettings, settings.PhysicsSettings, settings.SpawnSettings,
-                           settings.DriveSettings, settings.ViewSettings, WebSettings,
-                           _RecordSettings):
+    from img_recog.camera.usb_cam_settings import UsbCamSettings
+    from img_recog.nodes.web.web_settings import WebSettings
+    from img_recog.simulation.simulation_settings import (DriveSettings, PhysicsSettings,
+                                                          SpawnSettings, ViewSettings)
+    for settings_class in (UsbCamSettings, PhysicsSettings, SpawnSettings, DriveSettings,
+                           ViewSettings, WebSettings, _RecordSettings):
         _settings(settings_class, given)
 
 
@@ -82,7 +82,7 @@ def _check_robot_camera(given):
         raise UserError(
             message('camera: got robot, which is simulated, and simulator is false'),
             message('set simulator to true, or camera to none for the camera of a real robot'))
-    from img_recog.simulation.settings import CameraSettings
+    from img_recog.simulation.simulation_settings import CameraSettings
     _settings(CameraSettings, {
         setting: given[name] for name, setting in (
             ('image_width', 'camera_width'), ('image_height', 'camera_height'),

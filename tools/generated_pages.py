@@ -15,21 +15,21 @@ from typing import Any, Dict, Iterable, Iterator, List, NamedTuple, Tuple
 
 import launch_files
 
-from img_recog.camera.settings import CameraSettings, ControlSettings
+from img_recog.camera.usb_cam_settings import UsbCamSettings, ControlSettings
 from img_recog.conversions.compressed_image_msgs import CompressionSettings
 from img_recog.formats import elements
-from img_recog.nodes.color_extract.node import InputSettings
+from img_recog.nodes.color_extract.color_extract_node import InputSettings
 from img_recog.nodes.gazebo.lockstep_settings import LockstepSettings
 from img_recog.nodes.gazebo.robot_reader import RobotsSettings, robot_settings_classes
 from img_recog.nodes.gazebo.stepping import SteppingSettings
 from img_recog.nodes.republish import RepublishSettings
-from img_recog.nodes.robots.node import ManagerSettings
 from img_recog.nodes.robots.robot_list import NodeSettings
-from img_recog.nodes.web.settings import WebSettings
-from img_recog.recognition.settings import DEFAULT_COLORS, with_colors
+from img_recog.nodes.robots.robots_node import ManagerSettings
+from img_recog.nodes.web.web_settings import WebSettings
+from img_recog.recognition.recognition_settings import DEFAULT_COLORS, with_colors
 from img_recog.settings import SettingError
-from img_recog.simulation.settings import PhysicsSettings, ViewSettings
-from img_recog.teleoperation.settings import TeleopSettings, VelocityLimits
+from img_recog.simulation.simulation_settings import PhysicsSettings, ViewSettings
+from img_recog.teleoperation.teleop_settings import TeleopSettings, VelocityLimits
 
 ROOT = os.path.normpath(os.path.join(os.path.dirname(os.path.abspath(__file__)), '..'))
 _LAUNCH = """# Launch files
@@ -64,17 +64,17 @@ class Node(NamedTuple):
 
 
 NODES: Dict[str, Node] = {
-    'usb_cam': Node('usb_cam.node', (CameraSettings, ControlSettings, CompressionSettings),
+    'usb_cam': Node('usb_cam.usb_cam_node', (UsbCamSettings, ControlSettings, CompressionSettings),
                     ('intrinsic_controls',)),
-    'color_extract': Node('color_extract.node', (InputSettings, with_colors()), (
+    'color_extract': Node('color_extract.color_extract_node', (InputSettings, with_colors()), (
         'colors', *(name + '_image_topic' for name in DEFAULT_COLORS))),
-    'gazebo': Node('gazebo.node', (
+    'gazebo': Node('gazebo.gazebo_node', (
         PhysicsSettings, ViewSettings, RobotsSettings, LockstepSettings, SteppingSettings,
         *robot_settings_classes())),
     'turtlebot3_teleop_keyboard': Node('teleop_key', (TeleopSettings,)),
     'image_republisher': Node('republish', (RepublishSettings,)),
-    'robots': Node('robots.node', (ManagerSettings, NodeSettings)),
-    'web': Node('web.node', (WebSettings, VelocityLimits))}
+    'robots': Node('robots.robots_node', (ManagerSettings, NodeSettings)),
+    'web': Node('web.web_node', (WebSettings, VelocityLimits))}
 
 
 def written() -> Dict[str, str]:

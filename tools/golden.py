@@ -33,7 +33,7 @@ from img_recog.simulation.figures import Figures
 from img_recog.simulation.physics.body import Body
 from img_recog.simulation.pictures import visual_scene
 from img_recog.simulation.pictures.visual_scene import Parts
-from img_recog.simulation.settings import PhysicsSettings
+from img_recog.simulation.simulation_settings import PhysicsSettings
 
 ROOT = os.path.join(os.path.dirname(os.path.abspath(__file__)), '..')
 LIST = os.path.join(ROOT, 'test', 'golden.txt')

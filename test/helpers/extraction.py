@@ -2,7 +2,7 @@
 import numpy as np
 
 from img_recog.recognition.areas import ColorExtractor
-from img_recog.recognition.settings import with_colors
+from img_recog.recognition.recognition_settings import with_colors
 
 
 def extractor(**values):

@@ -7,7 +7,7 @@ from img_recog.model import Tag
 from img_recog.simulation.robot_spec import settings_in_tag
 from img_recog.simulation.sensors import in_files
 from img_recog.simulation.sensors.sensor import RobotSensor, sensors_of
-from img_recog.simulation.settings import CameraSettings
+from img_recog.simulation.simulation_settings import CameraSettings
 from img_recog_helpers.robots import CAMERA
 
 

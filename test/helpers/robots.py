@@ -7,7 +7,7 @@ from img_recog.conversions.sensor_table import SENSORS
 from img_recog.formats import world_file
 from img_recog.simulation import assembly
 from img_recog.simulation.robot_spec import read_robot
-from img_recog.simulation.settings import PhysicsSettings, RobotSettings, SpawnSettings
+from img_recog.simulation.simulation_settings import PhysicsSettings, RobotSettings, SpawnSettings
 
 CAMERA, = (kind for kind in SENSORS if kind.is_drawn)
 GROUPS = 'spawn', 'drive', 'noise'

@@ -6,7 +6,7 @@ from img_recog.formats.problems import Problems
 from img_recog.formats.world_file import WorldFile
 from img_recog.simulation.physics.client import connect
 from img_recog.simulation.physics.world import World
-from img_recog.simulation.settings import PhysicsSettings
+from img_recog.simulation.simulation_settings import PhysicsSettings
 
 BOX = '<{0} name="s">{1}<geometry><box><size>{2}</size></box></geometry></{0}>'
 INERTIAL = ('<inertial><mass>2</mass><inertia><ixx>0.02</ixx><iyy>0.02</iyy><izz>0.02</izz>'

@@ -5,7 +5,7 @@ from img_recog.conversions.sensor_table import SENSORS
 from img_recog.formats import world_file
 from img_recog.simulation import assembly
 from img_recog.simulation.robot_spec import read_robot
-from img_recog.simulation.settings import PhysicsSettings
+from img_recog.simulation.simulation_settings import PhysicsSettings
 
 CYLINDER = '<cylinder radius="{radius}" length="0.04"/>'
 INERTIAL = ('<inertial>{origin}<mass value="{mass}"/><inertia ixx="{i}" ixy="0" ixz="0" iyy="{i}" '

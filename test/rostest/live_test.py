@@ -195,7 +195,7 @@ class LiveTest(unittest.TestCase):
     def test_log_messages_have_file_function_and_topics(self):
         self.send(picture())
         msg = next(msg for msg in self.logs.messages if msg.msg.startswith('blue='))
-        self.assertEqual((Log.INFO, 'node.py', 'ColorExtract.handle'),
+        self.assertEqual((Log.INFO, 'color_extract_node.py', 'ColorExtract.handle'),
                          (msg.level, msg.file, msg.function))
         self.assertIn('/cmd_vel', msg.topics)
 

@@ -3,7 +3,7 @@
 import sys
 import time
 
-from img_recog.nodes.color_extract.node import ColorExtract
+from img_recog.nodes.color_extract.color_extract_node import ColorExtract
 from img_recog.ros import lifecycle
 
 DELAY_S = 0.2

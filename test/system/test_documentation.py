@@ -18,7 +18,7 @@ from img_recog.batch import sweep_file
 from img_recog.batch.sweep_file import Success, SweepSettings
 from img_recog.conversions.sensor_table import SENSORS
 from img_recog.nodes.gazebo.physics_services import RuntimeSettings
-from img_recog.recognition.settings import RecognitionSettings
+from img_recog.recognition.recognition_settings import RecognitionSettings
 from img_recog.settings import Settings
 from img_recog_helpers import expected
 from img_recog_helpers.ignored import shown as shown_by_git

@@ -18,7 +18,7 @@ from img_recog.replay import scenario
 from img_recog.replay.chain import SECOND_NS, Chain, ColorRecognition, Recorder
 from img_recog.replay.robot_frames import RobotFrames
 from img_recog.simulation.models import Models, State
-from img_recog.simulation.settings import SpawnSettings
+from img_recog.simulation.simulation_settings import SpawnSettings
 from img_recog_helpers.pages import ROOT
 
 _CONTACT_STEPS = 4      # of 1 ms: no contact is shorter

@@ -20,7 +20,7 @@ import numpy as np
 
 from img_recog.formats.gazebo_tags import NAME, NUMBER, RATE, Row, Tags
 from img_recog.settings import Settings, above, not_empty, setting
-from img_recog.simulation.sensors.rays import RaySensor
+from img_recog.simulation.sensors.ray_sensor import RaySensor
 from img_recog.simulation.sensors.sensor import Mount
 
 TAGS = Tags(('gazebo_ros_range',), (

@@ -11,7 +11,7 @@ from img_recog.formats import world_file
 from img_recog.simulation.physics.client import connect
 from img_recog.simulation.physics.world import World
 from img_recog.simulation.robot_spec import RobotSpec
-from img_recog.simulation.settings import PhysicsSettings, RobotSettings
+from img_recog.simulation.simulation_settings import PhysicsSettings, RobotSettings
 from img_recog.simulation.simulator import Simulator
 from img_recog.simulation.vehicle import Vehicle
 from img_recog_helpers.parsed import lumped

@@ -4,18 +4,18 @@ import re
 import pytest
 from img_recog_helpers.pages import read, rows
 
-from img_recog.camera import settings as camera
+from img_recog.camera import usb_cam_settings as camera
 from img_recog.conversions.compressed_image_msgs import CompressionSettings
 from img_recog.nodes.gazebo.lockstep_settings import LockstepSettings
 from img_recog.nodes.gazebo.robot_reader import robot_settings_classes
 from img_recog.nodes.gazebo.stepping import SteppingSettings
-from img_recog.recognition.settings import with_colors
+from img_recog.recognition.recognition_settings import with_colors
 from img_recog.settings import SettingError, setting_fields
-from img_recog.simulation import settings as simulation
-from img_recog.teleoperation.settings import TeleopSettings
+from img_recog.simulation import simulation_settings as simulation
+from img_recog.teleoperation.teleop_settings import TeleopSettings
 
 CLASSES = {
-    'usb_cam': (camera.CameraSettings, camera.ControlSettings, CompressionSettings),
+    'usb_cam': (camera.UsbCamSettings, camera.ControlSettings, CompressionSettings),
     'color_extract': (with_colors(),),
     'gazebo': (simulation.PhysicsSettings, simulation.ViewSettings, LockstepSettings,
                SteppingSettings, *robot_settings_classes()),

@@ -4,7 +4,7 @@ from typing import Any
 
 import pytest
 
-from img_recog.camera.settings import CameraSettings, intrinsic_controls
+from img_recog.camera.usb_cam_settings import UsbCamSettings, intrinsic_controls
 from img_recog.errors import UserError
 from img_recog.settings import (SettingError, Settings, above, at_least, between, not_empty,
                                 one_of, setting, setting_fields, unknown)
@@ -102,7 +102,7 @@ def test_setting_fields_yields_the_fields_made_by_setting_in_order():
 def test_camera_names_that_could_be_paths_are_refused(name):
     with pytest.raises(SettingError, match='^camera_name: got .*, allowed is a name '
                        'without / and control characters$'):
-        CameraSettings(camera_name=name)
+        UsbCamSettings(camera_name=name)
 
 
 @pytest.mark.parametrize('given, values', [

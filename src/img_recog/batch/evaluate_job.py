@@ -18,10 +18,10 @@ from img_recog.errors import UserError, counted, one_line, shortened, suggestion
 from img_recog.loading import resources
 from img_recog.processes.signals import Interrupts
 from img_recog.recognition import parameter_file
-from img_recog.recordings import names
+from img_recog.recordings import recording_names
 from img_recog.recordings.frames import Remarks
-from img_recog.replay import cli
-from img_recog.simulation.settings import SpawnSettings
+from img_recog.replay import replay_options
+from img_recog.simulation.simulation_settings import SpawnSettings
 
 _TRUTH = 'recording', 'frame', 'color', 'in_view'
 _log = logging.getLogger('evaluate.py')
@@ -35,7 +35,7 @@ def main() -> int:
 def _main(words: Sequence[str], interrupts: Interrupts) -> str:
     given = _parser().parse_args(words)
     where = options.of(given)
-    named = _named([os.path.abspath(path) for path in names.expand(
+    named = _named([os.path.abspath(path) for path in recording_names.expand(
         given.recordings, _log.warning)], labels.of_path)
     sets = _color_sets(given.colors)
     truth = _read_truth(os.path.expanduser(given.truth), named, sets) if given.truth else {}
@@ -44,7 +44,8 @@ def _main(words: Sequence[str], interrupts: Interrupts) -> str:
     with Engine(where, interrupts, re.sub(r'\.csv$', '', paths[0]), _log) as engine:
         measured = _measured(engine, named, sets, given.topic, given.max_image_pixels)
         said = recorded.said({name: [each.remarks] for name, each in measured.items()}, _log)
-        found = _driven(engine, measured, sets, cli.world_name(given.world) if given.world else '')
+        world = replay_options.world_name(given.world) if given.world else ''
+        found = _driven(engine, measured, sets, world)
         with files.atomic_write(paths) as opened:
             results.write_report(
                 opened, evaluate_report.table(sets, found),
@@ -136,7 +137,7 @@ def _parser() -> argparse.ArgumentParser:
         'evaluate.py', 'Measure recordings with several sets of colors; write '
         'areas, commands and the path of the simulated robot side by side as a table (CSV), a '
         'report and a picture.')
-    names.add_to(parser)
+    recording_names.add_to(parser)
     parser.add_argument('--colors', required=True, nargs='+', metavar='YAML',
                         help='parameter files of color_extract')
     parser.add_argument('--truth', default='', metavar='CSV',

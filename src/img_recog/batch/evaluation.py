@@ -12,13 +12,13 @@ from img_recog.recognition import parameter_file
 from img_recog.recognition.areas import ColorExtractor
 from img_recog.recognition.commands import Command, Commander
 from img_recog.recognition.fitting.score import Score
-from img_recog.recognition.settings import RecognitionSettings
+from img_recog.recognition.recognition_settings import RecognitionSettings
 from img_recog.recordings import parts
 from img_recog.recordings.frames import SECOND_NS, Frame, Part, Remarks
 from img_recog.replay import scenario
 from img_recog.replay.chain import (Chain, ColorRecognition, FrameMeasurement, FrameResult,
                                     Recorder)
-from img_recog.simulation.settings import SpawnSettings
+from img_recog.simulation.simulation_settings import SpawnSettings
 
 
 # whether a color is in view: by recording; by number of the frame, and color

@@ -20,7 +20,7 @@ from img_recog.recognition.fitting.bounds import OBJECTIVES, PIXELS, Fit
 from img_recog.recognition.fitting.histograms import Counter, Histograms, is_by_times, of_color
 from img_recog.recognition.fitting.limits import BLOB_SIZES
 from img_recog.recognition.fitting.samples import SampleError, Samples
-from img_recog.recordings import names
+from img_recog.recordings import recording_names
 from img_recog.recordings.frames import Remarks
 
 _log = logging.getLogger('fit_colors.py')
@@ -40,7 +40,7 @@ def main(arguments: Optional[Sequence[str]] = None) -> int:
 
 def _run(arguments: List[str], interrupts: Interrupts) -> str:
     options = _parse(arguments)
-    paths = names.expand(options.recordings, _log.warning)
+    paths = recording_names.expand(options.recordings, _log.warning)
     sets = [sample_file.read(path) for path in (options.samples, options.check) if path]
     sets[FIT].check_colors()
     for each in sets:
@@ -165,7 +165,7 @@ def _parse(arguments: Sequence[str]) -> argparse.Namespace:
         'fit_colors.py', 'Find the bounds of colors that separate them best in '
         'recordings. Writes a parameter file of color_extract, a report with pictures, and a '
         'table with a row for each frame.')
-    names.add_to(parser)
+    recording_names.add_to(parser)
     parser.add_argument('--samples', metavar='YAML', required=True,
                         help='where in the recordings the colors are')
     parser.add_argument('--check', metavar='YAML', default='',

@@ -6,8 +6,8 @@ import numpy as np
 
 from img_recog.batch.fit_settings import settings_of
 from img_recog.recognition.areas import ColorExtractor, to_hsv
+from img_recog.recognition.fitting.frame_labels import FrameLabels, Labeler
 from img_recog.recognition.fitting.histograms import Counter, Histograms
-from img_recog.recognition.fitting.labels import FrameLabels, Labeler
 from img_recog.recognition.fitting.limits import blobs
 from img_recog.recognition.fitting.samples import RecordingSamples, SampleError, Samples
 from img_recog.recordings import parts

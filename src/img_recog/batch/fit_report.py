@@ -21,7 +21,7 @@ from img_recog.recognition.fitting.limits import Limit
 from img_recog.recognition.fitting.samples import Samples
 from img_recog.recognition.fitting.score import Score
 from img_recog.recognition.fitting.volume import Box
-from img_recog.recognition.settings import RecognitionSettings
+from img_recog.recognition.recognition_settings import RecognitionSettings
 from img_recog.recordings import parts as reader
 
 _EXTENSIONS = '.yaml', '.md', '.png', '.csv'

@@ -6,7 +6,8 @@ import yaml
 from img_recog.recognition import parameter_file
 from img_recog.recognition.fitting.bounds import as_parameters
 from img_recog.recognition.fitting.volume import Box
-from img_recog.recognition.settings import Color, RecognitionSettings, color_in, with_colors
+from img_recog.recognition.recognition_settings import (Color, RecognitionSettings, color_in,
+                                                        with_colors)
 
 
 class BaseSettings:

@@ -15,7 +15,7 @@ from img_recog.loading import resources
 from img_recog.rendering.light import LightSettings
 from img_recog.settings import (SettingError, Settings, above, at_least, between, from_mapping,
                                 not_empty, setting, setting_fields)
-from img_recog.simulation.settings import CameraSettings, DriveSettings, SpawnSettings
+from img_recog.simulation.simulation_settings import CameraSettings, DriveSettings, SpawnSettings
 
 _MAX_BYTES = 1 << 20
 _PARAMETERS, _CELLS, _SUCCESS, _FROM, _TO = 'parameters', 'cells', 'success', 'from', 'to'

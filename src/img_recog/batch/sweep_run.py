@@ -24,8 +24,8 @@ from img_recog.replay.robot_frames import RobotFrames
 from img_recog.settings import from_mapping
 from img_recog.simulation.assembly import Assembly
 from img_recog.simulation.physics.footprints import footprints
-from img_recog.simulation.settings import (CameraSettings, DriveSettings, NoiseSettings,
-                                           SpawnSettings)
+from img_recog.simulation.simulation_settings import (CameraSettings, DriveSettings, NoiseSettings,
+                                                      SpawnSettings)
 from img_recog.simulation.simulator import Simulator
 
 _MAX_SPEED = 100.0      # m/s; only the physics throws a robot that fast

@@ -9,7 +9,7 @@ import re
 import struct
 from typing import Iterable, List, Mapping, NamedTuple, Optional
 
-from img_recog.camera.settings import ControlSettings
+from img_recog.camera.usb_cam_settings import ControlSettings
 from img_recog.errors import suggestion
 
 BRIGHTNESS, CONTRAST, SATURATION = 0x00980900, 0x00980901, 0x00980902

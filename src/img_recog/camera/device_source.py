@@ -7,8 +7,8 @@ from typing import Callable
 import cv2
 import numpy as np
 
-from img_recog.camera.settings import FOURCC, GREY_FORMATS, CameraSettings
 from img_recog.camera.source import FrameSkipped, FrameSource, SourceError, convert, fourcc
+from img_recog.camera.usb_cam_settings import FOURCC, GREY_FORMATS, UsbCamSettings
 from img_recog.errors import one_line
 
 # A read that takes longer than this, and than three periods of a slow camera, is a stall.
@@ -31,7 +31,7 @@ class DeviceSource(FrameSource):
 
     reconnects = True
 
-    def __init__(self, settings: CameraSettings, now: Callable[[], float] = time.monotonic):
+    def __init__(self, settings: UsbCamSettings, now: Callable[[], float] = time.monotonic):
         self.name, self._now = settings.video_device, now
         self._clock_is_valid = True
         self._check_access()
@@ -55,7 +55,7 @@ class DeviceSource(FrameSource):
             raise SourceError('cannot open {}: {} (have {})'.format(
                 self.name, one_line(error), list_devices()), _ADVICE)
 
-    def _negotiate(self, settings: CameraSettings) -> None:
+    def _negotiate(self, settings: UsbCamSettings) -> None:
         # the format first: the sizes and rates that a camera offers depend on it
         wanted = FOURCC[settings.pixel_format]
         # OpenCV would give H.264 of a device as it is, without decoding it

@@ -7,16 +7,16 @@ from typing import Callable, Sequence
 from img_recog.camera.device_source import DeviceSource, list_devices
 from img_recog.camera.image_source import (UNREADABLE, FolderSource, ImageSource, has_reader,
                                            is_jpeg_video, is_truncated, read_image)
-from img_recog.camera.settings import CameraSettings
 from img_recog.camera.source import FrameSource, SourceError, check_size, convert
 from img_recog.camera.synthetic import SyntheticSource
+from img_recog.camera.usb_cam_settings import UsbCamSettings
 from img_recog.formats import still_images
 from img_recog.formats.still_images import DEFAULT_MAX_PIXELS
 
 DEFAULT_DEVICE = '/dev/video0'
 
 
-def resolve_auto(settings: CameraSettings) -> CameraSettings:
+def resolve_auto(settings: UsbCamSettings) -> UsbCamSettings:
     """Return the settings with `auto` replaced by the default device, or by the synthetic scene.
 
     A node calls this once: a camera that is unplugged later must not become the synthetic scene.
@@ -27,7 +27,7 @@ def resolve_auto(settings: CameraSettings) -> CameraSettings:
     return dataclasses.replace(settings, video_device=found)
 
 
-def open_source(settings: CameraSettings, folders: Sequence[str] = ('',),
+def open_source(settings: UsbCamSettings, folders: Sequence[str] = ('',),
                 warn: Callable[[str], None] = lambda _: None) -> FrameSource:
     """Open the source that `settings.video_device` names.
 

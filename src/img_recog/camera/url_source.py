@@ -7,9 +7,9 @@ import numpy as np
 from img_recog.camera import urls
 from img_recog.camera.decoder import Decoder, open_decoder, released_on_error
 from img_recog.camera.image_source import VIDEO_EXTENSIONS
-from img_recog.camera.settings import CameraSettings
 from img_recog.camera.source import (FrameSkipped, FrameSource, SourceError, SourceTooLarge,
                                      check_size)
+from img_recog.camera.usb_cam_settings import UsbCamSettings
 from img_recog.camera.video_source import VideoSource
 from img_recog.formats.still_images import DEFAULT_MAX_PIXELS
 
@@ -19,7 +19,7 @@ _OPEN_TIMEOUT_S, _READ_TIMEOUT_S = 5.0, 2.0
 _STALL_TIMEOUT_S = 1.8
 
 
-def open_url(settings: CameraSettings, warn: Callable[[str], None]) -> FrameSource:
+def open_url(settings: UsbCamSettings, warn: Callable[[str], None]) -> FrameSource:
     """Open a live stream or a video (at its own rate).
 
     Raises SourceError when it is neither, when it has too many pixels, or when the server

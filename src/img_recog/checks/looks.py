@@ -5,7 +5,7 @@ from typing import Dict, List, NamedTuple, Optional, Set
 import numpy as np
 
 from img_recog import rotations
-from img_recog.checks.report import NOT_DRAWN, SIMULATED, Row
+from img_recog.checks.report import NOT_DRAWN, SIMULATED, CheckRow
 from img_recog.errors import UserError, one_line
 from img_recog.formats import textures
 from img_recog.formats.meshes import mesh_file
@@ -20,7 +20,7 @@ class Looks(NamedTuple):
     """rows: what there is to draw, and a row for each file that cannot be read; boxes: the lowest
     and the highest corner, (2, 3), of each body, robots first; None for one that is not drawn."""
 
-    rows: List[Row]
+    rows: List[CheckRow]
     boxes: List[Optional[np.ndarray]]
 
 
@@ -35,9 +35,10 @@ def read(simulator: Simulator) -> Looks:
                                                            visual.pose, poses[visual.part]))
     boxes = [_box([each for number in numbers.values() for each in corners.get(number, ())])
              for numbers in parts.numbers()]
-    row = Row(SIMULATED, 'drawn', '{} shapes, {} triangles, {} mesh files, {} textures'.format(
-        len(visuals), reader.triangles, len(reader.meshes), len(reader.textures)))
-    return Looks([row, *(Row(NOT_DRAWN, problem) for problem in reader.problems)], boxes)
+    row = CheckRow(
+        SIMULATED, 'drawn', '{} shapes, {} triangles, {} mesh files, {} textures'.format(
+            len(visuals), reader.triangles, len(reader.meshes), len(reader.textures)))
+    return Looks([row, *(CheckRow(NOT_DRAWN, problem) for problem in reader.problems)], boxes)
 
 
 class _Reader:

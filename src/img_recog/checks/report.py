@@ -11,7 +11,7 @@ NOT_SIMULATED, NOT_DRAWN, LEFT_OUT = 'not simulated', 'not drawn', 'left out'
 _HEAD = ('state', 'what', 'value', 'from')
 
 
-class Row(NamedTuple):
+class CheckRow(NamedTuple):
     """A line of the table; state: one of the constants above; source: where the value is from."""
 
     state: str
@@ -20,7 +20,7 @@ class Row(NamedTuple):
     source: str = ''
 
 
-class Report(NamedTuple):
+class CheckReport(NamedTuple):
     """What was found.
 
     warnings: those that the node logs; problem: why it cannot be used; is_partial: whether
@@ -28,7 +28,7 @@ class Report(NamedTuple):
     """
 
     title: str
-    rows: Sequence[Row]
+    rows: Sequence[CheckRow]
     warnings: Sequence[str] = ()
     problem: str = ''
     is_partial: bool = False
@@ -39,9 +39,9 @@ class Report(NamedTuple):
                           *('warning: ' + warning for warning in self.warnings), ''])
 
 
-def rows_of(findings: Sequence[Finding]) -> List[Row]:
+def rows_of(findings: Sequence[Finding]) -> List[CheckRow]:
     """Return a row for each finding of the audit."""
-    return [Row(finding.state, finding.what, finding.places_text()) for finding in findings]
+    return [CheckRow(finding.state, finding.what, finding.places_text()) for finding in findings]
 
 
 def size(box: Optional[np.ndarray]) -> str:

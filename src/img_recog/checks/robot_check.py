@@ -6,7 +6,7 @@ from typing import Any, Dict, Iterator, Mapping, NamedTuple, Sequence, Tuple
 from img_recog.checks import looks
 from img_recog.checks.looks import Looks
 from img_recog.checks.report import (ASSUMED, MEASURED, NOT_DRAWN, NOT_SIMULATED, SIMULATED,
-                                     Report, Row, rows_of, size)
+                                     CheckReport, CheckRow, rows_of, size)
 from img_recog.errors import UserError, one_line
 from img_recog.formats import drive_controllers
 from img_recog.formats.drive_controllers import Controllers
@@ -16,7 +16,7 @@ from img_recog.formats.yaml_text import load_yaml
 from img_recog.loading import assemble
 from img_recog.simulation.physics import wheels
 from img_recog.simulation.robot_spec import RobotSpec
-from img_recog.simulation.settings import PhysicsSettings
+from img_recog.simulation.simulation_settings import PhysicsSettings
 from img_recog.simulation.simulator import Simulator
 from img_recog.simulation.vehicle import Vehicle
 
@@ -32,7 +32,7 @@ _OF_WHEELS = {'left_joint': '', 'right_joint': '', 'wheel_separation': ' m',
 _UNITS = {'drive': '', 'command_topic': '', **_OF_WHEELS}
 
 
-def check(path: str, parameters: Sequence[str] = ()) -> Report:
+def check(path: str, parameters: Sequence[str] = ()) -> CheckReport:
     """Return what is simulated of a robot.
 
     path: of a URDF or xacro file; parameters: paths of YAML files, those of its controllers.
@@ -46,11 +46,11 @@ def check(path: str, parameters: Sequence[str] = ()) -> Report:
     seen = looks.read(simulator)
     rows = [*_body(vehicle, seen), *_friction(robot), *_drive(robot),
             *_sensors(robot, vehicle),
-            *(Row(NOT_SIMULATED, 'joint ' + each) for each in robot.model.left_out),
-            *(Row(NOT_SIMULATED, each) for each in robot.not_simulated),
+            *(CheckRow(NOT_SIMULATED, 'joint ' + each) for each in robot.model.left_out),
+            *(CheckRow(NOT_SIMULATED, each) for each in robot.not_simulated),
             *rows_of(robot.findings),
-            *(Row(NOT_DRAWN, 'mesh ' + uri) for uri in robot.model.missing_meshes),
-            *(Row(NOT_DRAWN, each) for each in robot.model.missing_looks),
+            *(CheckRow(NOT_DRAWN, 'mesh ' + uri) for uri in robot.model.missing_meshes),
+            *(CheckRow(NOT_DRAWN, each) for each in robot.model.missing_looks),
             *seen.rows]
     driven = list(_driven(robot, simulator)) if drive.is_there else []
     slips = max(len(drive.left_joints), len(drive.right_joints)) > 1
@@ -60,10 +60,10 @@ def check(path: str, parameters: Sequence[str] = ()) -> Report:
                  if each.values and each.name in vehicle.missing_sensors]
     missing = (*robot.model.left_out, *unmounted, *robot.not_simulated, *robot.findings,
                *(row for row in rows if row.state == NOT_DRAWN), *still)
-    return Report('robot {} in {}'.format(vehicle.robot.name, path),
-                  rows + [each.row() for each in driven],
-                  (*built.warnings, *(each.warning(path) for each in still)),
-                  is_partial=bool(missing) or not drive.is_there)
+    return CheckReport('robot {} in {}'.format(vehicle.robot.name, path),
+                       rows + [each.row() for each in driven],
+                       (*built.warnings, *(each.warning(path) for each in still)),
+                       is_partial=bool(missing) or not drive.is_there)
 
 
 def _controllers(namespace: str, paths: Sequence[str]) -> Controllers:
@@ -81,35 +81,35 @@ def _controllers(namespace: str, paths: Sequence[str]) -> Controllers:
     return found
 
 
-def _body(vehicle: Vehicle, seen: Looks) -> Iterator[Row]:
+def _body(vehicle: Vehicle, seen: Looks) -> Iterator[CheckRow]:
     robot = vehicle.robot
-    yield Row(SIMULATED, 'mass', '{:.4g} kg'.format(robot.mass()))
-    yield Row(SIMULATED, 'size', size(seen.boxes[0]))
-    yield Row(SIMULATED, 'root link', robot.root)
-    yield Row(SIMULATED, 'movable joints', ', '.join(robot.joints) or 'none')
+    yield CheckRow(SIMULATED, 'mass', '{:.4g} kg'.format(robot.mass()))
+    yield CheckRow(SIMULATED, 'size', size(seen.boxes[0]))
+    yield CheckRow(SIMULATED, 'root link', robot.root)
+    yield CheckRow(SIMULATED, 'movable joints', ', '.join(robot.joints) or 'none')
     held = [joint.name for joint in robot.model.joints if joint.held and joint.name not in (
         *vehicle.settings.drive.left_joints, *vehicle.settings.drive.right_joints)]
     if held:
-        yield Row(SIMULATED, 'joints that are held', ', '.join(held), 'ros_control')
+        yield CheckRow(SIMULATED, 'joints that are held', ', '.join(held), 'ros_control')
     for name in robot.model.changed_inertias:
-        yield Row(ASSUMED, 'inertia of ' + name, 'the nearest possible one')
+        yield CheckRow(ASSUMED, 'inertia of ' + name, 'the nearest possible one')
 
 
-def _friction(robot: RobotSpec) -> Iterator[Row]:
+def _friction(robot: RobotSpec) -> Iterator[CheckRow]:
     """Return a row for the links of each coefficient."""
     links = [link for link in robot.model.links if link.solids]
     for state, source in ((SIMULATED, '<mu1>, <mu> or <lateral_friction>'), (ASSUMED, 'default')):
         of_state = [link for link in links if (state == ASSUMED) == all(
             solid.friction is None for solid in link.solids)]
         for value in sorted({link.surface.mu for link in of_state}):
-            yield Row(state, 'friction', '{:g} of {}'.format(value, ', '.join(
+            yield CheckRow(state, 'friction', '{:g} of {}'.format(value, ', '.join(
                 link.name for link in of_state if link.surface.mu == value)), source)
 
 
-def _drive(robot: RobotSpec) -> Iterator[Row]:
+def _drive(robot: RobotSpec) -> Iterator[CheckRow]:
     drive = robot.settings.drive
     if not drive.is_there:
-        yield Row(NOT_SIMULATED, 'drive', 'none')
+        yield CheckRow(NOT_SIMULATED, 'drive', 'none')
         return
     measured = wheels.measure(robot.model, drive).values()
     is_given = any(field.name in robot.tag_values for field in dataclasses.fields(drive))
@@ -120,34 +120,34 @@ def _drive(robot: RobotSpec) -> Iterator[Row]:
         text = ('{:g}' if isinstance(value, float) else '{}').format(value) + _UNITS.get(
             field.name, '')
         if field.name in robot.tag_values or (field.name == 'drive' and is_given):
-            yield Row(SIMULATED, field.name, text, 'plugin or controller')
+            yield CheckRow(SIMULATED, field.name, text, 'plugin or controller')
         elif measured.get(field.name) == value:
-            yield Row(SIMULATED, field.name, text, 'shapes of the wheels')
+            yield CheckRow(SIMULATED, field.name, text, 'shapes of the wheels')
         elif field.name in _UNITS:
-            yield Row(ASSUMED, field.name, text, 'default')
+            yield CheckRow(ASSUMED, field.name, text, 'default')
 
 
-def _sensors(robot: RobotSpec, vehicle: Vehicle) -> Iterator[Row]:
+def _sensors(robot: RobotSpec, vehicle: Vehicle) -> Iterator[CheckRow]:
     for name, kind, _, _, place, *_ in robot.sensors:
         settings = vehicle.settings.sensors[name]
         if kind.is_drawn:
             yield _camera(settings)
             continue
         if name in vehicle.missing_sensors:
-            yield Row(NOT_SIMULATED, name, 'no link ' + vehicle.missing_sensors[name])
+            yield CheckRow(NOT_SIMULATED, name, 'no link ' + vehicle.missing_sensors[name])
             continue
         is_given = place is not None or any(field.name in robot.tag_values
                                             for field in dataclasses.fields(settings))
-        yield Row(SIMULATED if is_given else ASSUMED, name, '{} on {}, {:.4g} Hz'.format(
+        yield CheckRow(SIMULATED if is_given else ASSUMED, name, '{} on {}, {:.4g} Hz'.format(
             getattr(kind.msg_type, '_type'), kind.topic(settings),
             1 / getattr(settings, kind.name + '_period_s')),
             '<gazebo> tag' if is_given else 'default')
 
 
-def _camera(camera: Any) -> Row:
+def _camera(camera: Any) -> CheckRow:
     topics = ', '.join(filter(None, (
         camera.camera_image_topic, camera.camera_depth_topic, camera.camera_points_topic)))
-    return Row(SIMULATED, 'camera on ' + camera.camera_frame, '{}: {}x{}, {:g} Hz, {}'.format(
+    return CheckRow(SIMULATED, 'camera on ' + camera.camera_frame, '{}: {}x{}, {:g} Hz, {}'.format(
         topics, camera.camera_width, camera.camera_height, camera.camera_rate,
         camera.camera_lens), '<gazebo> tag')
 
@@ -160,9 +160,9 @@ class _Driven(NamedTuple):
     asked: float
     unit: str
 
-    def row(self) -> Row:
-        return Row(MEASURED, self.what, '{:.3f} {}'.format(self.got, self.unit),
-                   'asked {:g} {}'.format(self.asked, self.unit))
+    def row(self) -> CheckRow:
+        return CheckRow(MEASURED, self.what, '{:.3f} {}'.format(self.got, self.unit),
+                        'asked {:g} {}'.format(self.asked, self.unit))
 
     def warning(self, source: str) -> str:
         return '{}: it does not drive as asked: {} {:.3f} {}, asked {:g}; {}'.format(

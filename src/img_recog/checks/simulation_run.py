@@ -14,7 +14,7 @@ from img_recog.loading import assemble
 from img_recog.simulation.carrier import Carrier
 from img_recog.simulation.figures import Figures
 from img_recog.simulation.models import Models
-from img_recog.simulation.settings import PhysicsSettings, SpawnSettings
+from img_recog.simulation.simulation_settings import PhysicsSettings, SpawnSettings
 
 _EXPECTED = {'--twist': 'V,W: two numbers, m/s and rad/s',
              '--drive': 'MODEL::JOINT=VELOCITY:TORQUE, two numbers',
@@ -22,7 +22,7 @@ _EXPECTED = {'--twist': 'V,W: two numbers, m/s and rad/s',
 _PRINTED = ('imu', 'range', 'scan')         # kinds of sensors
 
 
-class Options(NamedTuple):
+class RunOptions(NamedTuple):
     """What is simulated, and what is done to it.
 
     world: like the launch argument; urdf: of a robot at the origin of the world, '' for none;
@@ -42,11 +42,11 @@ class Options(NamedTuple):
     pictures: str = ''
 
 
-class Run:
+class SimulationRun:
     """A simulation of a world, built as in the node; warnings: a line each, of what flies away
     too, as soon as it is simulated."""
 
-    def __init__(self, options: Options):
+    def __init__(self, options: RunOptions):
         """Build it and start the motors; raise a UserError if it cannot be built."""
         self._options = options
         robots = [assemble.robot(options.urdf, '--urdf').changed(

@@ -5,16 +5,17 @@ import numpy as np
 
 from img_recog.checks import looks
 from img_recog.checks.looks import Looks
-from img_recog.checks.report import LEFT_OUT, NOT_DRAWN, SIMULATED, Report, Row, rows_of, size
+from img_recog.checks.report import (LEFT_OUT, NOT_DRAWN, SIMULATED, CheckReport, CheckRow,
+                                     rows_of, size)
 from img_recog.formats.world_file import WorldFile
 from img_recog.loading import assemble
 from img_recog.simulation.physics.world import World
-from img_recog.simulation.settings import PhysicsSettings
+from img_recog.simulation.simulation_settings import PhysicsSettings
 
 _OPTION = 'allow_partial_world:=true'
 
 
-def check(path: str, allow_partial: bool = False) -> Report:
+def check(path: str, allow_partial: bool = False) -> CheckReport:
     """Return what is simulated of a world; path: of an SDF, URDF or xacro file.
 
     allow_partial: whether one of which something is left out can be used.
@@ -24,27 +25,27 @@ def check(path: str, allow_partial: bool = False) -> Report:
     file, left_out = built.simulator.world.file, built.left_out
     seen = looks.read(built.simulator)
     rows = [*_models(built.simulator.world, seen), *_rest(file), *seen.rows,
-            *(Row(NOT_DRAWN, each, 'its surface') for each in file.missing_looks),
-            *(Row(LEFT_OUT, each, 'needs ' + _OPTION) for each in left_out)]
+            *(CheckRow(NOT_DRAWN, each, 'its surface') for each in file.missing_looks),
+            *(CheckRow(LEFT_OUT, each, 'needs ' + _OPTION) for each in left_out)]
     problem = '' if allow_partial or not left_out else (
         'something is left out of it; start it with {}'.format(_OPTION))
-    return Report('world {} in {}'.format(file.name, path), rows, built.warnings, problem,
-                  bool(file.findings) or any(row.state == NOT_DRAWN for row in rows))
+    return CheckReport('world {} in {}'.format(file.name, path), rows, built.warnings, problem,
+                       bool(file.findings) or any(row.state == NOT_DRAWN for row in rows))
 
 
-def _models(world: World, seen: Looks) -> Iterator[Row]:
+def _models(world: World, seen: Looks) -> Iterator[CheckRow]:
     for tree, body, box in zip(world.file.trees, world.bodies, seen.boxes):
-        yield Row(SIMULATED, 'model ' + tree.name, '{}, {}'.format(
+        yield CheckRow(SIMULATED, 'model ' + tree.name, '{}, {}'.format(
             'static' if tree.fixed else '{:.4g} kg'.format(body.mass()), size(box)))
     boxes = [box for box in seen.boxes if box is not None]
     if boxes:
-        yield Row(SIMULATED, 'models', '{}, {}'.format(
+        yield CheckRow(SIMULATED, 'models', '{}, {}'.format(
             sum(tree.first for tree in world.file.trees),
             size(np.array([np.min(boxes, axis=0)[0], np.max(boxes, axis=0)[1]]))))
 
 
-def _rest(file: WorldFile) -> Iterator[Row]:
+def _rest(file: WorldFile) -> Iterator[CheckRow]:
     if file.has_floor:
-        yield Row(SIMULATED, 'floor', 'at z 0')
-    yield Row(SIMULATED, 'gravity', '{:g} {:g} {:g} m/s2'.format(*file.gravity))
+        yield CheckRow(SIMULATED, 'floor', 'at z 0')
+    yield CheckRow(SIMULATED, 'gravity', '{:g} {:g} {:g} m/s2'.format(*file.gravity))
     yield from rows_of(file.findings)

@@ -13,7 +13,7 @@ from img_recog.simulation.assembly import Assembly
 from img_recog.simulation.pictures import visual_scene
 from img_recog.simulation.pictures.visual_scene import Parts
 from img_recog.simulation.sensors.robot_camera import Exposure
-from img_recog.simulation.settings import CameraSettings
+from img_recog.simulation.simulation_settings import CameraSettings
 
 
 class DrawnCamera:

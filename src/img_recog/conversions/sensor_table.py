@@ -10,7 +10,7 @@ from img_recog.conversions import contact_msgs, robot_msgs
 from img_recog.simulation.sensors import (contact_sensor, imu, joint_states, laser_scanner,
                                           odometry, range_sensor, robot_camera)
 from img_recog.simulation.sensors.sensor import SensorKind
-from img_recog.simulation.settings import CameraSettings
+from img_recog.simulation.simulation_settings import CameraSettings
 
 # sensors are read, and their readings published, in this order
 SENSORS = (

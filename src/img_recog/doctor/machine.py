@@ -27,7 +27,7 @@ _MIN_FREE_MB = 200
 _TIMEOUT_S = 60
 
 
-class Finding(NamedTuple):
+class Fault(NamedTuple):
     """Something that is wrong, and what to do about it.
 
     is_note: it may be meant to be so.
@@ -38,85 +38,85 @@ class Finding(NamedTuple):
     is_note: bool = False
 
 
-def check_python() -> Iterator[Finding]:
+def check_python() -> Iterator[Fault]:
     """Report a python3 that is first on PATH and has no rospy, as those of pyenv and conda."""
     first = shutil.which('python3') or 'python3'
     why = _failure(first, 'import rospy')
     if why and not _failure(_SYSTEM_PYTHON, 'import rospy'):
-        yield Finding(
+        yield Fault(
             message('{} is first on PATH and has no rospy: {}', first, why),
             message('leave pyenv or conda ("conda deactivate"), or run "export '
                     'PATH=/usr/bin:$PATH"; with catkin_make, add '
                     '-DPYTHON_EXECUTABLE=/usr/bin/python3'))
     elif why:
-        yield Finding(message('there is no rospy: {}', why), message(
+        yield Fault(message('there is no rospy: {}', why), message(
             'run "./run setup", and source the setup.bash of ROS or of your workspace'))
 
 
-def check_libraries() -> Iterator[Finding]:
+def check_libraries() -> Iterator[Fault]:
     """Report libraries of the nodes that the interpreter of this program does not find."""
     missing = [name for name in LIBRARIES if not _exists(name)]
     if missing:
-        yield Finding(message('{} has no {}', sys.executable, ', '.join(missing)),
-                      message('run "./run setup", then "./run build"'))
+        yield Fault(message('{} has no {}', sys.executable, ', '.join(missing)),
+                    message('run "./run setup", then "./run build"'))
 
 
-def check_cv_bridge() -> Iterator[Finding]:
+def check_cv_bridge() -> Iterator[Fault]:
     """Report a cv_bridge that cannot be loaded, as one for numpy 1 beside numpy 2."""
     if not (_exists('numpy') and _exists('cv_bridge')):
         return      # check_libraries reports it
     why = _failure(sys.executable, _same_path() + 'import cv_bridge.boost.cv_bridge_boost')
     if why:
         version = _output(sys.executable, _same_path() + 'import numpy; print(numpy.__version__)')
-        yield Finding(
+        yield Fault(
             message('cv_bridge cannot be loaded beside numpy {}: {}', version or '?', why),
             message('cv_bridge needs the numpy of the distribution: remove the other one '
                     '("python3 -m pip uninstall numpy"), or run "rm -r .venv" and "./run setup"'))
 
 
-def check_message_packages() -> Iterator[Finding]:
+def check_message_packages() -> Iterator[Fault]:
     """Report packages of messages that the nodes need and that are not installed."""
     yield from missing_packages(set(MESSAGE_PACKAGES))
 
 
-def missing_packages(names: Set[str]) -> Iterator[Finding]:
+def missing_packages(names: Set[str]) -> Iterator[Fault]:
     """Report which of these packages of messages Python does not find."""
     missing = [shortened(name) for name in sorted(names) if not _exists(name)]
     if missing:
         package = 'ros-noetic-' if os.path.isdir(_NOETIC) else 'python3-'
-        yield Finding(
+        yield Fault(
             message('message packages are missing: {}', ', '.join(missing)),
             message('install them ("sudo apt-get install {}"); those of a workspace: build it and '
                     'source its devel/setup.bash', ' '.join(
                         shlex.quote(package + name.replace('_', '-')) for name in missing)))
 
 
-def check_camera(pattern: str = '/dev/video*') -> Iterator[Finding]:
+def check_camera(pattern: str = '/dev/video*') -> Iterator[Fault]:
     """Report that there is no camera, or none that may be opened."""
     devices = sorted(glob.glob(pattern))
     if not devices:
-        yield Finding(
+        yield Fault(
             message('there is no camera: no {}', pattern),
             message('plug one in; in WSL attach it with usbipd, in Docker add --device '
                     '/dev/video0; without one, the demo shows a synthetic scene, or a film by '
                     'camera:=FILE'),
             is_note=True)
     elif not any(os.access(each, os.R_OK | os.W_OK) for each in devices):
-        yield Finding(message('no permission to open {}', ', '.join(devices)),
-                      message('run "sudo usermod -aG video $USER", then log in again'))
+        yield Fault(message('no permission to open {}', ', '.join(devices)),
+                    message('run "sudo usermod -aG video $USER", then log in again'))
 
 
-def check_opengl() -> Iterator[Finding]:
+def check_opengl() -> Iterator[Fault]:
     """Report that the images of the simulator cannot be drawn by OpenGL."""
     if _exists('moderngl'):
         why = _failure(sys.executable, _same_path() +
                        'from img_recog.rendering.opengl import Renderer; Renderer()')
         if why:
-            yield Finding(message('images of the simulator cannot be drawn: {}', why),
-                          message('run "sudo apt-get install libegl1 libgl1-mesa-dri"'))
+            yield Fault(message('images of the simulator cannot be drawn: {}', why),
+                        message('run "sudo apt-get install libegl1 libgl1-mesa-dri"'))
 
 
-def check_disk() -> Iterator[Finding]:
+def check_disk() -> Iterator[Fault]:
     """Report folders that are full or cannot be written."""
     home = os.environ.get('ROS_HOME') or os.path.expanduser('~/.ros')
     for folder in {os.environ.get('ROS_LOG_DIR') or home, tempfile.gettempdir()}:
@@ -127,18 +127,18 @@ def check_disk() -> Iterator[Finding]:
                 file.write(bytes(4096))
         except OSError as error:
             if error.errno != errno.ENOSPC:
-                yield Finding(message('cannot write in {}: {}', folder, one_line(error)),
-                              message('make it writable for you, or set ROS_HOME to another '
-                                      'folder'))
+                yield Fault(message('cannot write in {}: {}', folder, one_line(error)),
+                            message('make it writable for you, or set ROS_HOME to another '
+                                    'folder'))
                 continue
         free_mb = shutil.disk_usage(folder).free // 1000000
         if free_mb < _MIN_FREE_MB:
-            yield Finding(message('the disk of {} is full: {} MB are free', folder, free_mb),
-                          message('remove files; "rosclean check" shows the size of the logs, '
-                                  '"rosclean purge" removes them'))
+            yield Fault(message('the disk of {} is full: {} MB are free', folder, free_mb),
+                        message('remove files; "rosclean check" shows the size of the logs, '
+                                '"rosclean purge" removes them'))
 
 
-def check_addresses() -> Iterator[Finding]:
+def check_addresses() -> Iterator[Fault]:
     """Report a ROS_MASTER_URI, ROS_HOSTNAME or ROS_IP that cannot be right."""
     uri = os.environ.get('ROS_MASTER_URI') or DEFAULT_MASTER
     master = None
@@ -147,23 +147,23 @@ def check_addresses() -> Iterator[Finding]:
         master = parts.port and parts.scheme == 'http' and parts.hostname
     advice = message('set it to the address of the master, like {}', DEFAULT_MASTER)
     if not master:
-        yield Finding(message('ROS_MASTER_URI is {}, expected http://HOST:PORT', shortened(uri)),
-                      advice)
+        yield Fault(message('ROS_MASTER_URI is {}, expected http://HOST:PORT', shortened(uri)),
+                    advice)
     elif not _addresses(master):
-        yield Finding(message('ROS_MASTER_URI names {}, which is no computer that this one knows',
-                              shortened(master)), advice)
+        yield Fault(message('ROS_MASTER_URI names {}, which is no computer that this one knows',
+                            shortened(master)), advice)
     variable = next((each for each in ('ROS_HOSTNAME', 'ROS_IP') if os.environ.get(each)), '')
     name = os.environ[variable] if variable else socket.gethostname()
     shown = '{}={}'.format(variable, shortened(name)) if variable else name
     own = _addresses(name)
     if not any(map(_is_own, own)):
-        yield Finding(
+        yield Fault(
             message('{} is not an address of this computer', shown),
             message('set ROS_IP to one that "hostname -I" shows and unset ROS_HOSTNAME, or run '
                     '"export ROS_HOSTNAME=localhost" if all nodes are on this computer'))
     elif (master and all(map(_is_loopback, own)) and _addresses(master)
           and not any(map(_is_own, _addresses(master)))):
-        yield Finding(
+        yield Fault(
             message('{} can be reached on this computer alone, and the master is on {}', shown,
                     shortened(master)),
             message('run "unset ROS_HOSTNAME" and set ROS_IP to the address of this computer that '

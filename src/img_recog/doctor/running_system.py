@@ -10,7 +10,7 @@ from concurrent.futures import ThreadPoolExecutor
 from typing import Any, Dict, Iterator, List, NamedTuple, Set, Tuple
 
 from img_recog.command_line.messages import message
-from img_recog.doctor.machine import DEFAULT_MASTER, Finding, missing_packages
+from img_recog.doctor.machine import DEFAULT_MASTER, Fault, missing_packages
 from img_recog.errors import most_similar, one_line, shortened
 from img_recog.ros import timed_xmlrpc
 from img_recog.ros.timed_xmlrpc import Master
@@ -26,7 +26,7 @@ _MAX_AHEAD_S = 3600.0       # of a stamp; the clock of a simulation starts at 0
 _ERRORS = (*timed_xmlrpc.ERRORS, ValueError, TypeError, IndexError)
 
 
-class Running(NamedTuple):
+class RunningSystem(NamedTuple):
     """Nodes and topics as the master and the nodes tell them.
 
     published, subscribed: the nodes of each topic. types: of each topic, by the node.
@@ -46,13 +46,13 @@ class Running(NamedTuple):
         return [node for node in self.published.get(topic, ()) if node not in self.dead]
 
 
-def check_running() -> Iterator[Finding]:
+def check_running() -> Iterator[Fault]:
     """Report what is wrong with the running system, or that there is none."""
     uri = os.environ.get('ROS_MASTER_URI') or DEFAULT_MASTER
     try:
         system = _read(uri)
     except _ERRORS as error:
-        yield Finding(
+        yield Fault(
             message('no master answers at {}: {}', shortened(uri), one_line(error)),
             message('start "./run demo", roslaunch or roscore, or set ROS_MASTER_URI to the '
                     'master that runs; "./run shell" finds the demo of its folder'))
@@ -63,7 +63,7 @@ def check_running() -> Iterator[Finding]:
     yield from missing_packages(names)
 
 
-def _read(uri: str) -> Running:
+def _read(uri: str) -> RunningSystem:
     with Master(uri, _NAME, _TIMEOUT_S) as master:
         state = master.state()
         nodes = sorted(state.nodes)
@@ -80,7 +80,7 @@ def _read(uri: str) -> Running:
             for topic, kind in answer:
                 if kind != '*':
                     types.setdefault(topic, {})[node] = kind
-    return Running(state.published, state.subscribed, types, dead, uris, is_sim_time)
+    return RunningSystem(state.published, state.subscribed, types, dead, uris, is_sim_time)
 
 
 def _topics_of(uri: Any) -> Any:
@@ -98,7 +98,7 @@ def _ask(uri: str, method: str, *arguments: Any) -> Any:
         return answer[2]
 
 
-def _dead_nodes(system: Running) -> Iterator[Finding]:
+def _dead_nodes(system: RunningSystem) -> Iterator[Fault]:
     for node, (uri, error) in sorted(system.dead.items()):
         if isinstance(error, socket.gaierror):
             advice = message('set ROS_IP on the computer of that node to its address and start '
@@ -109,39 +109,39 @@ def _dead_nodes(system: Running) -> Iterator[Finding]:
         else:
             advice = message('it may be stopped, its computer switched off, or its ports closed '
                              'by a firewall; check ROS_IP there')
-        yield Finding(message('the node {} does not answer at {}: {}', shortened(node),
-                              shortened(uri), one_line(error)), advice)
+        yield Fault(message('the node {} does not answer at {}: {}', shortened(node),
+                            shortened(uri), one_line(error)), advice)
 
 
-def _clock(system: Running) -> Iterator[Finding]:
+def _clock(system: RunningSystem) -> Iterator[Fault]:
     clocks = system.publishers('/clock')
     if system.is_sim_time and not clocks:
-        yield Finding(
+        yield Fault(
             message('use_sim_time is set and nothing publishes /clock: time stands still'),
             message('start the simulator, or run "rosparam set /use_sim_time false" and start the '
                     'nodes again'))
     if clocks and not system.is_sim_time:
-        yield Finding(
+        yield Fault(
             message('{} publishes /clock, and /use_sim_time is not true: all other nodes have the '
                     'time of the computer', clocks[0]),
             message('run "rosparam set /use_sim_time true" and start the nodes again; in a launch '
                     'file, write the parameter with its slash'))
     if len(clocks) > 1:
-        yield Finding(message('several simulators publish /clock: {}', ', '.join(sorted(clocks))),
-                      message('stop all but one: "rosnode kill {}"',
-                              shlex.quote(sorted(clocks)[-1])))
+        yield Fault(message('several simulators publish /clock: {}', ', '.join(sorted(clocks))),
+                    message('stop all but one: "rosnode kill {}"',
+                            shlex.quote(sorted(clocks)[-1])))
     others = set(system.uris) - {*clocks, *system.subscribed.get('/clock', ()), '/rosout'}
     if clocks and system.is_sim_time and others:
-        yield Finding(message('these nodes have the time of the computer, not that of /clock: {}',
-                              ', '.join(map(shortened, sorted(others)))),
-                      message('they were started before /use_sim_time was set: start them again'))
+        yield Fault(message('these nodes have the time of the computer, not that of /clock: {}',
+                            ', '.join(map(shortened, sorted(others)))),
+                    message('they were started before /use_sim_time was set: start them again'))
 
 
-def _types(system: Running) -> Iterator[Finding]:
+def _types(system: RunningSystem) -> Iterator[Fault]:
     for topic, by_node in sorted(system.types.items()):
         kinds = sorted(set(by_node.values()))
         if len(kinds) > 1:
-            yield Finding(
+            yield Fault(
                 message('the types of {} differ: {}', shortened(topic), '; '.join(
                     '{} ({})'.format(shortened(kind), ', '.join(sorted(
                         node for node in by_node if by_node[node] == kind))) for kind in kinds)),
@@ -149,7 +149,7 @@ def _types(system: Running) -> Iterator[Finding]:
                         '<remap> in a launch file'))
 
 
-def _messages(system: Running) -> Iterator[Finding]:
+def _messages(system: RunningSystem) -> Iterator[Fault]:
     """Compare what has subscribers: MD5 sums with those here, and stamps with /clock."""
     published = [(node, topic, by_node[node]) for topic, by_node in sorted(system.types.items())
                  if system.subscribed.get(topic) and len(set(by_node.values())) == 1
@@ -162,14 +162,14 @@ def _messages(system: Running) -> Iterator[Finding]:
     for (node, topic, kind), (there, time_s) in zip(published, heard):
         here = getattr(_class_here(kind), '_md5sum', '')
         if here and there and there != here:
-            yield Finding(
+            yield Fault(
                 message('{} publishes {} with another definition of {} than the one here '
                         '(MD5 sums {} and {})', *map(shortened, (
                             node, topic, kind, there, here))),
                 message('build the package of the message again on both sides, from the same '
                         'version, and start the nodes again'))
         elif now_s and time_s > now_s + _MAX_AHEAD_S:
-            yield Finding(
+            yield Fault(
                 message('{} publishes {} with the stamp {} s, and /clock says {} s', *map(
                     shortened, (node, topic)), *map('{:.3f}'.format, (time_s, now_s))),
                 message('stamp messages with rospy.Time.now() or ros::Time::now()'))
@@ -206,7 +206,7 @@ def _hear(uri: str, topic: str, kind: str) -> Tuple[str, float]:
     return md5sum, 0.0
 
 
-def _missing_publishers(system: Running) -> Iterator[Finding]:
+def _missing_publishers(system: RunningSystem) -> Iterator[Fault]:
     for topic, nodes in sorted(system.subscribed.items()):
         kinds: Set[str] = set(system.types.get(topic, {}).values())
         if system.publishers(topic) or not kinds or topic == '/clock':
@@ -223,7 +223,7 @@ def _missing_publishers(system: Running) -> Iterator[Finding]:
         else:
             advice = message('start the node that publishes it; "rostopic info {}" shows who '
                              'waits', shortened(topic))
-        yield Finding(
+        yield Fault(
             message('nothing publishes {}, which {} waits for', shortened(topic),
                     ', '.join(sorted(nodes))), advice,
             is_note=not similar and not any(kind.startswith(_SENSOR_PACKAGES) for kind in kinds))

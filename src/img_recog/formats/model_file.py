@@ -5,7 +5,7 @@ from typing import Callable, Sequence
 
 from img_recog.errors import SimulationError
 from img_recog.files import FindFile
-from img_recog.formats import (drive_controllers, drive_tags, lumping, names, sdf_file,
+from img_recog.formats import (allowed_names, drive_controllers, drive_tags, lumping, sdf_file,
                                sdf_versions, urdf, world_file)
 from img_recog.formats.drive_controllers import FindControllers
 from img_recog.formats.markup import MarkupError, check_expanded, parse_xml
@@ -37,7 +37,7 @@ def read(text: str, name: str, find: FindFile,
     Raises SimulationError when it is neither, something in it cannot be had, or the name is not
     allowed.
     """
-    names.check_model(name)
+    allowed_names.check_model(name)
     problems = Problems()
     try:
         root = parse_xml(text)

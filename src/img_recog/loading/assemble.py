@@ -10,7 +10,7 @@ from img_recog.settings import from_mapping
 from img_recog.simulation import assembly, robot_spec
 from img_recog.simulation.assembly import Assembly
 from img_recog.simulation.robot_spec import ReadSettings, RobotSpec
-from img_recog.simulation.settings import PhysicsSettings
+from img_recog.simulation.simulation_settings import PhysicsSettings
 
 OptionName = Callable[[str], str]
 _STEP_S = PhysicsSettings().step_s

@@ -7,8 +7,8 @@ import rospy
 
 from img_recog.errors import shortened
 from img_recog.recognition.parameter_file import COLORS, IMAGE_TOPIC, unknown_color
-from img_recog.recognition.settings import (DEFAULT_COLORS, RecognitionSettings, color_in,
-                                            color_names, with_colors)
+from img_recog.recognition.recognition_settings import (DEFAULT_COLORS, RecognitionSettings,
+                                                        color_in, color_names, with_colors)
 from img_recog.ros import parameters
 from img_recog.settings import SettingError, Settings
 

@@ -11,7 +11,7 @@ from img_recog.conversions import compressed_image_msgs
 from img_recog.conversions.compressed_image_msgs import CompressionSettings
 from img_recog.conversions.image_msgs import ImageError
 from img_recog.ros import lifecycle, parameters
-from img_recog.ros.diagnostics import Counter
+from img_recog.ros.diagnostics import EventCounter
 from img_recog.ros.log.throttle import ThrottledWarning
 from img_recog.ros.queues import LatestValue
 from img_recog.ros.reconfigure import Reconfigurable
@@ -46,7 +46,7 @@ class CompressedImages:
         parameters.warn_of_unknown(CompressionSettings, namespace=name)
         self._images, self._closed = LatestValue(), threading.Event()
         self._warn = ThrottledWarning()
-        self.sent, self.dropped = Counter(), Counter()
+        self.sent, self.dropped = EventCounter(), EventCounter()
         self._publisher = (rospy.Publisher(name, CompressedImage, queue_size=1)
                            if redelivery is None else
                            DirectPublisher(name, CompressedImage, redelivery=redelivery))

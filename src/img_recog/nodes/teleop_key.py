@@ -13,12 +13,12 @@ from diagnostic_updater import DiagnosticStatusWrapper
 
 from img_recog.conversions import twist_msgs
 from img_recog.ros import lifecycle, parameters
-from img_recog.ros.diagnostics import Counter, NodeDiagnostics, add_counter
+from img_recog.ros.diagnostics import EventCounter, NodeDiagnostics, add_counter
 from img_recog.ros.stopping_publisher import StoppingPublisher
 from img_recog.ros.yielding import Yielding
 from img_recog.teleoperation.keyboard import Keyboard
 from img_recog.teleoperation.profile import VelocityProfile
-from img_recog.teleoperation.settings import TeleopSettings
+from img_recog.teleoperation.teleop_settings import TeleopSettings
 
 _PERIOD_S = 0.1
 _HELP = ('w/x: faster forward/backward, a/d: faster to the left/right, s or space: stop, '
@@ -35,7 +35,7 @@ class TeleopKey:
         parameters.warn_of_unknown(TeleopSettings)
         self._profile = VelocityProfile(settings)
         self._velocity = StoppingPublisher('cmd_vel')
-        self._sent, self._keys, self._has_terminal = Counter(), Counter(), False
+        self._sent, self._keys, self._has_terminal = EventCounter(), EventCounter(), False
         self._yielding = Yielding(self._reason_to_drive)
         NodeDiagnostics('teleop', 'none', self._report)
 

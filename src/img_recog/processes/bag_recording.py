@@ -125,7 +125,7 @@ class BagRecording:
             process_tree.wait_or_kill(self._process, _END_TIMEOUT_S)
 
 
-class Recorder:
+class RecordingSwitch:
     """Starts and stops recordings, one at a time. All methods may be called by any thread."""
 
     def __init__(self, start: Callable[[], BagRecording]):

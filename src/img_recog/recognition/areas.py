@@ -6,7 +6,7 @@ import numpy as np
 
 from img_recog.recognition.candidates import CELL, GROUP_PX
 from img_recog.recognition.masks import GroupsInside, Masks
-from img_recog.recognition.settings import RecognitionSettings
+from img_recog.recognition.recognition_settings import RecognitionSettings
 
 _TO_HSV = {'bgr8': cv2.COLOR_BGR2HSV, 'bgra8': cv2.COLOR_BGR2HSV,
            'rgb8': cv2.COLOR_RGB2HSV, 'rgba8': cv2.COLOR_RGB2HSV}

@@ -5,7 +5,7 @@ from typing import FrozenSet, Iterable, List, NamedTuple, Optional, Tuple
 import cv2
 import numpy as np
 
-from img_recog.recognition.settings import Color
+from img_recog.recognition.recognition_settings import Color
 
 # pixels that are found together: as bytes they are one number, and numpy finds, takes and puts
 # numbers faster than bytes

@@ -1,7 +1,7 @@
 """Velocity commands from the areas of colors."""
 from typing import List, NamedTuple, Optional, Sequence
 
-from img_recog.recognition.settings import LAST, SUM, RecognitionSettings
+from img_recog.recognition.recognition_settings import LAST, SUM, RecognitionSettings
 
 
 class Command(NamedTuple):
@@ -22,7 +22,7 @@ def commands_for(areas_px: Sequence[int], settings: RecognitionSettings) -> List
     pixels. If no color is above its limit, there is no command at all: stopping the robot is left
     to another node (in the article, the idle teleoperation) or to a Commander.
 
-    >>> from img_recog.recognition.settings import with_colors
+    >>> from img_recog.recognition.recognition_settings import with_colors
     >>> commands_for([1001, 1000], with_colors(['blue', 'red'])())
     [Command(linear_x=10.0, angular_z=0.0, linear_y=0.0)]
     """

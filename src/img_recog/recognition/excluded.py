@@ -4,7 +4,7 @@ from typing import List, Sequence, Tuple
 import numpy as np
 
 from img_recog.recognition.areas import ColorExtractor, to_hsv
-from img_recog.recognition.settings import RecognitionSettings
+from img_recog.recognition.recognition_settings import RecognitionSettings
 
 
 def lines(extractor: ColorExtractor, areas_px: Sequence[int], settings: RecognitionSettings

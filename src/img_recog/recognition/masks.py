@@ -5,7 +5,7 @@ import cv2
 import numpy as np
 
 from img_recog.recognition.candidates import CELL, GROUP, GROUP_PX, MIN_SAVED, Search, padded
-from img_recog.recognition.settings import Color
+from img_recog.recognition.recognition_settings import Color
 
 # Pixels that are processed at a time, so that the intermediate arrays stay in the CPU cache. In a
 # large image more of them, because each strip costs as much Python.

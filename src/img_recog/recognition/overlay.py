@@ -6,7 +6,7 @@ import numpy as np
 
 from img_recog.recognition.areas import ColorExtractor
 from img_recog.recognition.commands import Command
-from img_recog.recognition.settings import Color
+from img_recog.recognition.recognition_settings import Color
 
 _FONT, _WHITE, _BLACK = cv2.FONT_HERSHEY_SIMPLEX, (255, 255, 255), (0, 0, 0)
 _Bgr = Tuple[int, ...]

@@ -6,8 +6,8 @@ from typing import Any, Dict, List, Sequence
 from img_recog.errors import one_line, shortened
 from img_recog.formats.markup import MarkupError, read_bytes
 from img_recog.formats.yaml_text import load_yaml
-from img_recog.recognition.settings import (DEFAULT_COLORS, RecognitionSettings, color_in,
-                                            color_names, with_colors)
+from img_recog.recognition.recognition_settings import (DEFAULT_COLORS, RecognitionSettings,
+                                                        color_in, color_names, with_colors)
 from img_recog.settings import ParameterError, SettingError, from_mapping, setting_fields, unknown
 
 COLORS, COLORS_FILE = 'colors', 'colors_file'

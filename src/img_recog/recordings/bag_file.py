@@ -12,7 +12,7 @@ from rosbag.bag import BagMessageWithConnectionHeader, _BagReader200
 from img_recog.errors import UserError, one_line
 from img_recog.formats.still_images import DEFAULT_MAX_PIXELS
 from img_recog.recordings.frames import WANTED
-from img_recog.recordings.names import is_bag
+from img_recog.recordings.recording_names import is_bag
 
 # raised by rosbag and genpy when they read a damaged file
 DAMAGE_ERRORS = (rosbag.ROSBagException, genpy.MessageException, struct.error, OSError, EOFError,

@@ -13,7 +13,7 @@ from img_recog.errors import UserError
 from img_recog.formats.still_images import DEFAULT_MAX_PIXELS
 from img_recog.recordings.bag_file import DAMAGE_ERRORS, damaged, open_bag
 from img_recog.recordings.frames import SECOND_NS, WANTED, Frame, Frames, Part
-from img_recog.recordings.names import DEFAULT_TOPICS
+from img_recog.recordings.recording_names import DEFAULT_TOPICS
 
 if TYPE_CHECKING:
     from img_recog.recordings.camera_infos import CameraInfos

@@ -7,8 +7,8 @@ from std_msgs.msg import Header
 
 from img_recog.camera.image_source import ImageSource
 from img_recog.camera.selection import open_file
-from img_recog.camera.settings import CameraSettings
 from img_recog.camera.source import FrameSkipped, SourceEnded, SourceError, SourceTooLarge
+from img_recog.camera.usb_cam_settings import UsbCamSettings
 from img_recog.errors import UserError
 from img_recog.formats.still_images import DEFAULT_MAX_PIXELS
 from img_recog.recordings.frames import SECOND_NS, WANTED, Frame, Frames
@@ -24,7 +24,7 @@ class FilmFrames(Frames):
     """
 
     def __init__(self, path: str, max_pixels: int = DEFAULT_MAX_PIXELS,
-                 rate_hz: float = CameraSettings.framerate):
+                 rate_hz: float = UsbCamSettings.framerate):
         """Open a film or pictures; raise UserError if it is neither or has more pixels."""
         super().__init__(path)
         said: List[str] = []
@@ -56,7 +56,7 @@ class FilmFrames(Frames):
     def read(self) -> Iterator[Frame]:
         """Yield all frames; raise UserError at the end if the film is truncated."""
         source, number, damaged = self._source, 0, 0
-        frame_id = CameraSettings().camera_frame_id
+        frame_id = UsbCamSettings().camera_frame_id
         first, has_changed = '{0.width}x{0.height}'.format(source), False
         try:
             # a picture is repeated without end

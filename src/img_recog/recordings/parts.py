@@ -11,13 +11,13 @@ from std_msgs.msg import Header
 
 from img_recog.camera.decoder import Decoder
 from img_recog.camera.frame_pacing import FrameTimes
-from img_recog.camera.settings import CameraSettings
 from img_recog.camera.source import FrameSkipped, check_size
+from img_recog.camera.usb_cam_settings import UsbCamSettings
 from img_recog.formats.still_images import DEFAULT_MAX_PIXELS
 from img_recog.recordings.bags import BagFrames
 from img_recog.recordings.films import FilmFrames
 from img_recog.recordings.frames import SECOND_NS, Frame, Frames, Part, Remarks
-from img_recog.recordings.names import is_bag
+from img_recog.recordings.recording_names import is_bag
 
 FRAMES = 500        # of a part, at least, so that opening the file hardly counts
 _COMPLETE = 0.98    # of the frames that a film states; else the whole film tells what is wrong
@@ -131,7 +131,7 @@ class _FilmPart(Frames):
 
     def read(self) -> Iterator[Frame]:
         """Yield the frames that are in the part."""
-        part, frame_id = self._part, CameraSettings().camera_frame_id
+        part, frame_id = self._part, UsbCamSettings().camera_frame_id
         index_of = {ticks: index for index, ticks in enumerate(part.ticks)}
         for ticks, image in self._decoded():
             index = index_of.get(ticks)

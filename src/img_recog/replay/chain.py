@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Iterable, Iterator, List, NamedTuple, Optional
 
 from img_recog.recognition.areas import ColorExtractor
 from img_recog.recognition.commands import STOP, Command, Commander
-from img_recog.recognition.settings import RecognitionSettings
+from img_recog.recognition.recognition_settings import RecognitionSettings
 from img_recog.recordings.frames import SECOND_NS, Frame
 
 if TYPE_CHECKING:       # they import PyBullet, which film.py does not need

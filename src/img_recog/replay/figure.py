@@ -10,7 +10,7 @@ from matplotlib.patches import Polygon
 from matplotlib.ticker import FuncFormatter
 
 from img_recog.command_line import results
-from img_recog.recognition.settings import Color
+from img_recog.recognition.recognition_settings import Color
 from img_recog.replay.plot_data import SPEED, TIME, TURN, YAW, PlotColor, PlotData, X, Y
 
 _SIZE_IN, _DPI, _FONT_SIZE = (14.0, 9.0), 100, 10.0

@@ -11,7 +11,7 @@ from img_recog.camera.decoder import FFmpegError    # FFmpeg prints no lines the
 from img_recog.errors import UserError, one_line
 from img_recog.files import DISK_ERRORS
 from img_recog.recognition.areas import ColorExtractor
-from img_recog.recognition.settings import RecognitionSettings
+from img_recog.recognition.recognition_settings import RecognitionSettings
 from img_recog.replay.chain import SECOND_NS, CommandSent, FrameResult, Recorder
 from img_recog.replay.film_picture import HEIGHT, WIDTH, FilmPicture
 

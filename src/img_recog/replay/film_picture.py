@@ -6,7 +6,7 @@ from typing import Deque, List, Optional, Sequence, Tuple
 import cv2
 import numpy as np
 
-from img_recog.recognition.settings import Color
+from img_recog.recognition.recognition_settings import Color
 from img_recog.replay.film_parts import (HISTORY_S, INK, NORMAL, SMALL, SOFT, TITLE_PX, Box,
                                          fitting_scale, put_card, put_chart, put_image, put_text)
 

@@ -15,11 +15,11 @@ from img_recog.command_line import results
 from img_recog.errors import UserError, counted
 from img_recog.processes.signals import Interrupts
 from img_recog.recognition import parameter_file
-from img_recog.recognition.settings import RecognitionSettings
-from img_recog.recordings import names
+from img_recog.recognition.recognition_settings import RecognitionSettings
+from img_recog.recordings import recording_names
 from img_recog.recordings.films import FilmFrames
 from img_recog.recordings.frames import SECOND_NS
-from img_recog.replay import cli, scenario
+from img_recog.replay import replay_options, scenario
 from img_recog.replay.chain import ColorRecognition, Recognition, Recorder
 from img_recog.replay.loop import Loop
 from img_recog.replay.recorders import BagRecorder, PlotRecorder, TableRecorder
@@ -43,7 +43,7 @@ def main(begin_s: float) -> int:
     begin_s: start time of the program, by time.perf_counter.
     """
     return programs.run('replay.py', lambda words, interrupts: replay(
-        cli.parse(words), begin_s, interrupts), 'cannot write')
+        replay_options.parse(words), begin_s, interrupts), 'cannot write')
 
 
 def replay(options: argparse.Namespace, begin_s: float, interrupts: Interrupts) -> str:
@@ -58,8 +58,9 @@ def replay(options: argparse.Namespace, begin_s: float, interrupts: Interrupts) 
     name = os.path.expanduser(options.input) or 'robot_in_' + os.path.basename(options.world)
     extensions = _EXTENSIONS + (('.mp4',) if options.film else ())
     paths = files.output_paths(name, os.path.expanduser(options.output), extensions)
-    built = scenario.build(cli.world_name(options.world), os.path.expanduser(options.urdf),
-                           cli.spawn_settings(options), options.allow_partial_world)
+    built = scenario.build(
+        replay_options.world_name(options.world), os.path.expanduser(options.urdf),
+        replay_options.spawn_settings(options), options.allow_partial_world)
     frames = recording or _robot_frames(built, options.seconds)
     recognition = make_recognition(frames)
     simulator = built.simulator
@@ -138,7 +139,7 @@ def _summary(frames: int, simulated_s: float, loop_s: float, whole_s: float, mot
 
 def _open_input(options: argparse.Namespace) -> Frames:
     path = os.path.expanduser(options.input)
-    if names.is_bag(path):
+    if recording_names.is_bag(path):
         # imported here because loading rosbag takes time
         from img_recog.recordings.bags import BagFrames
         return BagFrames(path, options.topic, options.max_image_pixels)

@@ -3,7 +3,7 @@ from typing import NamedTuple, Optional, Sequence, Tuple, Union
 
 import numpy as np
 
-from img_recog.recognition.settings import Color
+from img_recog.recognition.recognition_settings import Color
 
 TIME, X, Y, YAW, SPEED, TURN = range(6)         # columns of `motion`
 

@@ -17,11 +17,11 @@ from img_recog.errors import UserError, counted, one_line, shortened
 from img_recog.processes.bag_recording import BagRecording
 from img_recog.processes.signals import Interrupts
 from img_recog.recognition import parameter_file
-from img_recog.recognition.settings import RecognitionSettings
+from img_recog.recognition.recognition_settings import RecognitionSettings
 from img_recog.recordings.bag_file import DAMAGE_ERRORS, damaged, open_bag
-from img_recog.replay.drive import Drive, odometry_of, topics_beside
 from img_recog.replay.figure import ReplayFigure
 from img_recog.replay.plot_data import PlotData
+from img_recog.replay.recorded_drive import RecordedDrive, odometry_of, topics_beside
 from img_recog.ros import timed_xmlrpc
 from img_recog.ros.timed_xmlrpc import Master
 
@@ -78,7 +78,7 @@ def _read(path: str, title: str, odometry: str, robot: str, settings: Recognitio
         try:
             types = {name: topic.msg_type
                      for name, topic in bag.get_type_and_topic_info().topics.items()}
-            drive = Drive(title, bag, odometry or odometry_of(types, robot, title))
+            drive = RecordedDrive(title, bag, odometry or odometry_of(types, robot, title))
         except DAMAGE_ERRORS as error:
             raise damaged(title, error)
         return drive.data(settings.colors), drive.others

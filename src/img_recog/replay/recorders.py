@@ -8,7 +8,7 @@ from tf2_msgs.msg import TFMessage
 
 from img_recog.conversions import color_detection_msgs, robot_msgs, twist_msgs
 from img_recog.conversions.sensor_table import SENSORS
-from img_recog.recognition.settings import Color
+from img_recog.recognition.recognition_settings import Color
 from img_recog.replay.chain import (RECOGNITION, SECOND_NS, TELEOP, CommandSent, FrameResult,
                                     Recorder)
 from img_recog.replay.plot_data import PlotData

@@ -12,7 +12,7 @@ from img_recog.rendering.light import Light, LightSettings
 from img_recog.settings import nearest_period
 from img_recog.simulation.assembly import Assembly
 from img_recog.simulation.sensors.robot_camera import RobotCamera
-from img_recog.simulation.settings import CameraSettings
+from img_recog.simulation.simulation_settings import CameraSettings
 
 _log = logging.getLogger(__name__)
 

@@ -9,8 +9,8 @@ from img_recog.errors import UserError
 from img_recog.loading import assemble
 from img_recog.replay.recorders import RECORDED
 from img_recog.simulation.assembly import Assembly
-from img_recog.simulation.settings import (CameraSettings, NoiseSettings, PhysicsSettings,
-                                           SpawnSettings)
+from img_recog.simulation.simulation_settings import (CameraSettings, NoiseSettings,
+                                                      PhysicsSettings, SpawnSettings)
 
 _log = logging.getLogger(__name__)
 _UNUSED_SENSORS = [kind.name for kind in SENSORS if kind.name not in RECORDED]

@@ -18,13 +18,13 @@ WINDOW_S = 3.0              # in which rates are measured
 Report = Callable[[DiagnosticStatusWrapper], None]
 
 
-class Counter:
+class EventCounter:
     """Counts events. Any thread counts, one thread at a time calls `restart` and `rate_hz`.
 
     measured_s: the time in which the last rate was measured.
 
     >>> times_s = iter([0.0, 2.0])
-    >>> counter = Counter(lambda: next(times_s))
+    >>> counter = EventCounter(lambda: next(times_s))
     >>> counter.add(3)
     >>> counter.rate_hz()
     1.5
@@ -143,7 +143,7 @@ class NodeDiagnostics:
         return status
 
 
-def add_counter(status: DiagnosticStatusWrapper, name: str, counter: Counter) -> float:
+def add_counter(status: DiagnosticStatusWrapper, name: str, counter: EventCounter) -> float:
     """Add total and rate of a counter to a status; return the rate in Hz."""
     rate_hz = counter.rate_hz()
     status.add(name, str(counter.total))

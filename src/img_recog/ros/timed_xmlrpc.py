@@ -34,7 +34,7 @@ def server(uri: str, timeout_s: float = 1.0) -> xmlrpc.client.ServerProxy:
     return xmlrpc.client.ServerProxy(uri, _Transport(timeout_s), allow_none=True)
 
 
-class State(NamedTuple):
+class SystemState(NamedTuple):
     """The nodes of each topic that is published or subscribed to, and of each service."""
 
     published: Dict[str, List[str]]
@@ -83,10 +83,10 @@ class Master:
         except Exception:       # an integer of more than 32 bits, for example
             return None
 
-    def state(self) -> State:
+    def state(self) -> SystemState:
         """Return who uses what. Raises OSError if the master does not say that."""
         try:
-            return State(*(dict(kind) for kind in self.call('getSystemState')))
+            return SystemState(*(dict(kind) for kind in self.call('getSystemState')))
         except (*ERRORS[1:], TypeError, ValueError) as error:
             raise OSError(str(error))
 

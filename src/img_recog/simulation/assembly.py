@@ -17,7 +17,7 @@ from img_recog.simulation.physics.world import World
 from img_recog.simulation.pictures.scene import Scene, scene_of
 from img_recog.simulation.robot_spec import RobotSpec
 from img_recog.simulation.sensors.sensor import SensorKind
-from img_recog.simulation.settings import PhysicsSettings
+from img_recog.simulation.simulation_settings import PhysicsSettings
 from img_recog.simulation.simulator import Simulator
 from img_recog.simulation.vehicle import Vehicle
 

@@ -9,7 +9,7 @@ from img_recog.simulation.physics.drive import Drive
 from img_recog.simulation.physics.framed_body import FramedBody
 from img_recog.simulation.physics.world import World
 from img_recog.simulation.robot_spec import RobotSpec
-from img_recog.simulation.sensors.rays import RaySensor
+from img_recog.simulation.sensors.ray_sensor import RaySensor
 from img_recog.simulation.sensors.robot_camera import RobotCamera
 from img_recog.simulation.sensors.sensor import Mount, RobotSensor, ScheduledSensor
 

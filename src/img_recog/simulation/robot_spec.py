@@ -21,8 +21,8 @@ from img_recog.simulation.physics.drive import Drive, NoDrive
 from img_recog.simulation.physics.planar_drive import PlanarDrive
 from img_recog.simulation.sensors import in_files
 from img_recog.simulation.sensors.sensor import RobotSensor, SensorKind, numbered, sensors_of
-from img_recog.simulation.settings import (CameraSettings, DriveSettings, NoiseSettings,
-                                           RobotSettings, SpawnSettings, names_in)
+from img_recog.simulation.simulation_settings import (CameraSettings, DriveSettings, NoiseSettings,
+                                                      RobotSettings, SpawnSettings, names_in)
 
 # read(settings class, values) returns the settings that the user gives, else those in `values`,
 # by name: those of tags, and as the URDF has them, the separation and the diameter of the wheels

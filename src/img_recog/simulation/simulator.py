@@ -6,8 +6,8 @@ from img_recog.simulation.physics import contacts
 from img_recog.simulation.physics.body import Body
 from img_recog.simulation.physics.standing import MAX_DEPTH_M
 from img_recog.simulation.physics.world import World
-from img_recog.simulation.sensors import rays
-from img_recog.simulation.sensors.rays import RaySensor
+from img_recog.simulation.sensors import ray_sensor
+from img_recog.simulation.sensors.ray_sensor import RaySensor
 from img_recog.simulation.sensors.sensor import Sensor
 from img_recog.simulation.vehicle import Vehicle
 
@@ -181,6 +181,6 @@ class Simulator:
 def _read_together(sensors: Sequence[Sensor]) -> List[Any]:
     """Return what each of the sensors measures now."""
     cast = [sensor for sensor in sensors if isinstance(sensor, RaySensor)]
-    measured = iter(rays.read_together(cast) if cast else ())
+    measured = iter(ray_sensor.read_together(cast) if cast else ())
     return [next(measured) if isinstance(sensor, RaySensor) else sensor.read()
             for sensor in sensors]

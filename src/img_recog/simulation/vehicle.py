@@ -9,7 +9,7 @@ from img_recog.simulation.physics.robot import SimulatedRobot
 from img_recog.simulation.physics.world import World
 from img_recog.simulation.robot_spec import RobotSpec
 from img_recog.simulation.sensors.odometry import WORLD, OdometrySettings
-from img_recog.simulation.settings import SpawnSettings, whole_steps
+from img_recog.simulation.simulation_settings import SpawnSettings, whole_steps
 
 
 class Vehicle(Carrier):

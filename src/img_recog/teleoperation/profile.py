@@ -1,7 +1,7 @@
 """Converts keys to target velocities, and target velocities to smooth commands."""
 from typing import Tuple
 
-from img_recog.teleoperation.settings import TeleopSettings
+from img_recog.teleoperation.teleop_settings import TeleopSettings
 
 FORWARD, BACKWARD, LEFT, RIGHT = 'w', 'x', 'a', 'd'
 STOP = ('s', ' ')

@@ -15,8 +15,8 @@ from img_recog import files
 from img_recog.conversions import image_msgs
 from img_recog.errors import UserError, one_line
 from img_recog.recognition.parameter_file import COLORS
-from img_recog.recognition.settings import (DEFAULT_COLORS, RecognitionSettings, color_names,
-                                            with_colors)
+from img_recog.recognition.recognition_settings import (DEFAULT_COLORS, RecognitionSettings,
+                                                        color_names, with_colors)
 from img_recog.replay.film import Film
 from img_recog.ros import parameters
 from img_recog.testing.topics import Pose

@@ -15,7 +15,7 @@ from sensor_msgs.msg import CompressedImage, Image
 from img_recog.conversions import compressed_image_msgs
 from img_recog.conversions.image_msgs import ColorImages, ImageError
 from img_recog.recognition.areas import ColorExtractor
-from img_recog.recognition.settings import with_colors
+from img_recog.recognition.recognition_settings import with_colors
 from img_recog.ros.transport import image_subscriber
 from img_recog_helpers import plain_opencv
 from img_recog_helpers.process_table import Usage, usage

@@ -13,7 +13,7 @@ from nav_msgs.msg import Odometry
 
 from img_recog.conversions import twist_msgs
 from img_recog.conversions.twist_msgs import TwistError
-from img_recog.simulation.settings import DriveSettings
+from img_recog.simulation.simulation_settings import DriveSettings
 from img_recog_helpers import robots
 from img_recog_helpers.process_table import usage
 from img_recog_helpers import wire

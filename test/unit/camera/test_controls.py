@@ -7,7 +7,7 @@ import pytest
 
 from img_recog.camera import controls
 from img_recog.camera.controls import Control, ControlDevice, apply, variable_name
-from img_recog.camera.settings import ControlSettings
+from img_recog.camera.usb_cam_settings import ControlSettings
 from img_recog.settings import unknown
 from img_recog_helpers.descriptors import times_open
 

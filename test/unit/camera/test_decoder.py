@@ -13,8 +13,8 @@ import pytest
 from img_recog.camera.capture import Capture, Listener
 from img_recog.camera.decoder import open_decoder
 from img_recog.camera.selection import open_source
-from img_recog.camera.settings import CameraSettings
 from img_recog.camera.source import FrameSkipped
+from img_recog.camera.usb_cam_settings import UsbCamSettings
 from img_recog.recordings.films import FilmFrames
 from img_recog_helpers.videos import opencv_frames
 from img_recog_helpers.waiting import DEADLINE_S
@@ -163,7 +163,7 @@ class Record(Listener):
 def captured(url):
     """Return what a capture of a source says until its end."""
     record = Record()
-    capture = Capture(lambda: open_source(CameraSettings(video_device=url, loop=False)), record)
+    capture = Capture(lambda: open_source(UsbCamSettings(video_device=url, loop=False)), record)
     capture.start_thread()
     capture.start()
     assert record.end.wait(DEADLINE_S)

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from img_recog.camera.device_source import DeviceSource
-from img_recog.camera.settings import CameraSettings
 from img_recog.camera.source import FrameSkipped, SourceError
+from img_recog.camera.usb_cam_settings import UsbCamSettings
 
 DAMAGED = object()
 BGR = np.random.RandomState(3).randint(0, 256, (48, 64, 3)).astype(np.uint8)
@@ -55,7 +55,7 @@ def open_device(monkeypatch):
         monkeypatch.setattr(cv2, 'VideoCapture',
                             lambda *arguments: captures.append(FakeCapture(*arguments))
                             or captures[-1])
-        source = DeviceSource(CameraSettings(video_device=video_device, **settings),
+        source = DeviceSource(UsbCamSettings(video_device=video_device, **settings),
                               now=lambda: 100.0)
         return source, captures[0]
     return open_with

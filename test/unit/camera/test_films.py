@@ -12,8 +12,8 @@ from PIL import Image
 
 from img_recog.camera.image_source import read_image
 from img_recog.camera.selection import open_file, open_source
-from img_recog.camera.settings import CameraSettings
 from img_recog.camera.source import SourceEnded
+from img_recog.camera.usb_cam_settings import UsbCamSettings
 from img_recog.camera.video_source import VideoSource
 from img_recog.recordings import parts
 from img_recog.recordings.films import FilmFrames
@@ -130,7 +130,7 @@ def test_an_image_is_upright(served, monkeypatch, orientation, red):
     for name in ('phone.jpg', 'phone.png', 'phone.tif', 'phone.webp'):
         image.save(str(folder / name), exif=exif)
     for device in (*map(str, sorted(folder.iterdir())), url + 'phone.jpg'):
-        source = open_source(CameraSettings(video_device=device))
+        source = open_source(UsbCamSettings(video_device=device))
         read = source.read()
         assert read.shape == ((48, 64, 3) if orientation < 5 else (64, 48, 3)), device
         row, column = red.split()
@@ -169,9 +169,9 @@ def test_a_path_with_a_colon_is_a_file(make_video, tmp_path, monkeypatch, name):
 COUNT = """
 import sys
 from img_recog.camera.selection import open_source
-from img_recog.camera.settings import CameraSettings
+from img_recog.camera.usb_cam_settings import UsbCamSettings
 from img_recog.camera.source import SourceEnded
-source, count = open_source(CameraSettings(video_device=sys.argv[1], loop=False)), 0
+source, count = open_source(UsbCamSettings(video_device=sys.argv[1], loop=False)), 0
 try:
     while True:
         source.read()

@@ -9,8 +9,8 @@ import pytest
 
 from img_recog.camera.image_source import UNREADABLE
 from img_recog.camera.selection import open_file, open_source
-from img_recog.camera.settings import CameraSettings
 from img_recog.camera.source import SourceError
+from img_recog.camera.usb_cam_settings import UsbCamSettings
 from img_recog.errors import UserError
 from img_recog_helpers import bombs
 from img_recog_helpers.videos import smooth_image
@@ -22,7 +22,7 @@ NOT_PLAYABLE = ('cannot play {}: neither a video nor an image that OpenCV reads;
 def refusal(path):
     """Return the error line of opening `path` as video_device."""
     with pytest.raises(SourceError) as refused:
-        open_source(CameraSettings(video_device=str(path)))
+        open_source(UsbCamSettings(video_device=str(path)))
     assert isinstance(refused.value, UserError)
     assert '\n' not in str(refused.value)
     return str(refused.value)
@@ -92,10 +92,10 @@ def test_codec_without_a_decoder_is_named(make_video):
 # the log levels are read when the libraries are loaded
 QUIET = '''
 import sys
-from img_recog.camera import selection, settings, source
+from img_recog.camera import selection, source, usb_cam_settings
 for name in sys.argv[1:]:
     try:
-        selection.open_source(settings.CameraSettings(video_device=name))
+        selection.open_source(usb_cam_settings.UsbCamSettings(video_device=name))
     except source.SourceError as error:
         print(error)
 '''

@@ -8,15 +8,15 @@ import pytest
 from img_recog.camera import selection, video_source
 from img_recog.camera.image_source import FolderSource, ImageSource
 from img_recog.camera.selection import open_source
-from img_recog.camera.settings import CameraSettings
 from img_recog.camera.source import FrameSkipped, SourceEnded, SourceError
 from img_recog.camera.synthetic import BLUE_FRAMES, SyntheticSource, draw_frame
+from img_recog.camera.usb_cam_settings import UsbCamSettings
 from img_recog.camera.video_source import VideoSource
 from img_recog_helpers.videos import smooth_image
 
 
 def opened(name, folders=('',), **settings):
-    return open_source(CameraSettings(video_device=str(name), **settings), folders)
+    return open_source(UsbCamSettings(video_device=str(name), **settings), folders)
 
 
 def save_image(path, number):
@@ -47,7 +47,7 @@ def test_auto_is_resolved_once(tmp_path, monkeypatch):
     assert isinstance(opened('auto'), SyntheticSource)
     save_image(tmp_path / 'video0.png', 3)
     assert shows(opened('auto'), 3)
-    settings = selection.resolve_auto(CameraSettings(video_device='auto'))
+    settings = selection.resolve_auto(UsbCamSettings(video_device='auto'))
     assert settings.video_device == str(tmp_path / 'video0.png')
     assert selection.resolve_auto(settings) is settings
     monkeypatch.setattr(selection, 'DEFAULT_DEVICE', '/dev/null')
@@ -59,7 +59,7 @@ def test_character_device_is_opened_with_the_other_settings(monkeypatch):
     given = []
     monkeypatch.setattr(selection, 'DeviceSource', given.append)
     opened('null', folders=('/dev',), image_width=320)
-    assert given == [CameraSettings(video_device='/dev/null', image_width=320)]
+    assert given == [UsbCamSettings(video_device='/dev/null', image_width=320)]
 
 
 def test_video_and_image_are_distinguished_by_their_content(make_video, tmp_path):
@@ -110,7 +110,7 @@ def test_folder_of_images_is_played_by_name_at_the_framerate(tmp_path):
 def test_what_is_left_out_of_a_folder_is_said(tmp_path):
     lines = []
     save_image(tmp_path / 'a.png', 0)
-    settings = CameraSettings(video_device=str(tmp_path))
+    settings = UsbCamSettings(video_device=str(tmp_path))
     open_source(settings, warn=lines.append)
     assert lines == []
     (tmp_path / 'film.mp4').write_bytes(b'x')
@@ -167,7 +167,7 @@ def test_truncated_video_is_one_warning(make_video, loop):
     path, warnings = make_video(frames=60), []
     size = os.path.getsize(path)
     os.truncate(path, size // 2)
-    source = open_source(CameraSettings(video_device=path, loop=loop), warn=warnings.append)
+    source = open_source(UsbCamSettings(video_device=path, loop=loop), warn=warnings.append)
     count = 0
     try:
         while count < 100:

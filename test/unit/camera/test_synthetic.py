@@ -8,7 +8,7 @@ import pytest
 from img_recog.camera.synthetic import (BLUE_FRAMES, PERIOD_FRAMES, RED_FRAMES, SyntheticSource,
                                         draw_frame)
 from img_recog.recognition.areas import ColorExtractor
-from img_recog.recognition.settings import with_colors
+from img_recog.recognition.recognition_settings import with_colors
 
 SIZES = [(320, 240), (640, 480), (1920, 1080), (333, 77)]
 KEY_FRAMES = {

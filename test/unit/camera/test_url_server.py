@@ -10,9 +10,9 @@ import numpy as np
 import pytest
 
 from img_recog.camera.selection import open_source
-from img_recog.camera.settings import CameraSettings
 from img_recog.camera.source import FrameSkipped, SourceEnded, SourceError
 from img_recog.camera.url_source import RemoteVideoSource, StreamSource
+from img_recog.camera.usb_cam_settings import UsbCamSettings
 from img_recog_helpers.videos import smooth_image
 from img_recog_helpers.waiting import DEADLINE_S
 
@@ -65,7 +65,7 @@ def serve(tmp_path):
 
 
 def opened(url, **settings):
-    return open_source(CameraSettings(video_device=url, **settings))
+    return open_source(UsbCamSettings(video_device=url, **settings))
 
 
 @pytest.mark.parametrize('scheme, name', [

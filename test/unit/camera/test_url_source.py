@@ -5,9 +5,9 @@ from av.error import FFmpegError
 
 from img_recog.camera import urls
 from img_recog.camera.selection import open_source
-from img_recog.camera.settings import CameraSettings
 from img_recog.camera.source import FrameSkipped, SourceEnded, SourceError
 from img_recog.camera.url_source import RemoteVideoSource, StreamSource
+from img_recog.camera.usb_cam_settings import UsbCamSettings
 from img_recog_helpers.fake_decoder import IMAGE, FakeDecoder
 
 
@@ -94,7 +94,7 @@ def at_url(monkeypatch, decoder, url, **settings):
 
 
 def opened(url, **settings):
-    return open_source(CameraSettings(video_device=url, **settings))
+    return open_source(UsbCamSettings(video_device=url, **settings))
 
 
 UNKNOWN = 0     # the frame count of a stream

@@ -4,7 +4,7 @@ The wheels turn there at the speeds of the command.
 """
 import pytest
 
-from img_recog.checks.simulation_run import Options, Run
+from img_recog.checks.simulation_run import RunOptions, SimulationRun
 from img_recog_helpers.robots import burger
 from img_recog_helpers.sdf import BUILT_IN, sdf
 
@@ -30,8 +30,8 @@ def states(tmp_path, model, seconds, twist=''):
     world, urdf = tmp_path / 'w.sdf', tmp_path / 'burger.urdf'
     world.write_text(sdf(BUILT_IN, model))
     urdf.write_text(burger())
-    lines = list(Run(Options(str(world), str(urdf) if twist else '', until_s=seconds,
-                             every_s=seconds, twist=twist)).lines())
+    lines = list(SimulationRun(RunOptions(str(world), str(urdf) if twist else '', until_s=seconds,
+                                          every_s=seconds, twist=twist)).lines())
     return next(line for line in lines[::-1] if 'links' in line)['links']
 
 

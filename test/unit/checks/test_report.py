@@ -1,12 +1,12 @@
 """The table: columns of equal width, unless a cell is long."""
-from img_recog.checks.report import Report, Row
+from img_recog.checks.report import CheckReport, CheckRow
 
 LONG = 'x' * 61
 
 
 def test_columns_title_and_warnings():
-    rows = [Row('simulated', 'mass', '1 kg', 'here'), Row('not drawn', LONG, 'no\nfile')]
-    assert Report('robot r2', rows, ['a', 'b']).text().splitlines() == [
+    rows = [CheckRow('simulated', 'mass', '1 kg', 'here'), CheckRow('not drawn', LONG, 'no\nfile')]
+    assert CheckReport('robot r2', rows, ['a', 'b']).text().splitlines() == [
         'robot r2', '',
         'state      what  value     from',
         'simulated  mass  1 kg      here',

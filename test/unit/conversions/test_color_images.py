@@ -7,7 +7,7 @@ from sensor_msgs.msg import Image
 
 from img_recog.conversions.image_msgs import ColorImages, ImageError, from_msg
 from img_recog.recognition.areas import ColorExtractor
-from img_recog.recognition.settings import with_colors
+from img_recog.recognition.recognition_settings import with_colors
 
 CHANNELS = {'bgr8': 3, 'rgb8': 3, 'bgra8': 4, 'rgba8': 4, 'mono8': 1, 'yuv422': 2,
             'bayer_rggb8': 1, 'bayer_bggr8': 1, 'bayer_gbrg8': 1, 'bayer_grbg8': 1}

@@ -5,7 +5,7 @@ import pytest
 
 from img_recog.conversions.robot_cameras import DrawnCamera
 from img_recog.rendering.camera import Camera
-from img_recog.simulation.settings import CameraSettings
+from img_recog.simulation.simulation_settings import CameraSettings
 
 SIZE = dict(camera_width=320, camera_height=240)
 

@@ -3,7 +3,7 @@ import math
 
 import pytest
 
-from img_recog.simulation.settings import CameraSettings
+from img_recog.simulation.simulation_settings import CameraSettings
 from img_recog_helpers.parsed import cameras, tags
 from img_recog_helpers.refusals import refusal
 

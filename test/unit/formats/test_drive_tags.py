@@ -5,7 +5,7 @@ from img_recog.formats import drive_controllers, drive_tags, urdf
 from img_recog.settings import from_mapping
 from img_recog.simulation.sensors.joint_states import JointStateSettings
 from img_recog.simulation.sensors.odometry import OdometrySettings
-from img_recog.simulation.settings import DriveSettings
+from img_recog.simulation.simulation_settings import DriveSettings
 from img_recog_helpers import parsed
 from img_recog_helpers.refusals import refusal
 from img_recog_helpers.wheeled import assembled, controllers, plugin, robot, source

@@ -13,7 +13,7 @@ from img_recog.simulation.physics import footprints
 from img_recog.simulation.physics.client import connect
 from img_recog.simulation.physics.solids import Bundles
 from img_recog.simulation.physics.world import World
-from img_recog.simulation.settings import PhysicsSettings
+from img_recog.simulation.simulation_settings import PhysicsSettings
 from img_recog_helpers.refusals import refusal
 from img_recog_helpers.sdf import CRATE, sdf
 

@@ -6,7 +6,7 @@ from img_recog.formats import world_file
 from img_recog.rotations import to_rpy
 from img_recog.simulation.physics.client import connect
 from img_recog.simulation.physics.world import World
-from img_recog.simulation.settings import PhysicsSettings
+from img_recog.simulation.simulation_settings import PhysicsSettings
 from img_recog_helpers.sdf import sdf
 
 FRAMES = ('<frame name="f"><pose>1 0 0 0 0 1.5707963</pose></frame>'

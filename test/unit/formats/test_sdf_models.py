@@ -13,7 +13,7 @@ from img_recog.formats.world_file import WorldFile
 from img_recog.model import NO_INERTIA, Friction, Shape
 from img_recog.simulation.physics.client import connect
 from img_recog.simulation.physics.world import World
-from img_recog.simulation.settings import PhysicsSettings
+from img_recog.simulation.simulation_settings import PhysicsSettings
 from img_recog_helpers.sdf import BOX, INERTIAL, convert, load
 
 TURNED = '<pose>1 0 0 0 0 1.5707963267948966</pose>'       # of a model: its x is the world's y

@@ -11,8 +11,8 @@ from sensor_msgs.msg import CompressedImage, Image
 
 from img_recog.camera.image_source import FolderSource, read_image
 from img_recog.camera.selection import open_file, open_source
-from img_recog.camera.settings import CameraSettings
 from img_recog.camera.source import FrameSkipped, SourceError
+from img_recog.camera.usb_cam_settings import UsbCamSettings
 from img_recog.camera.video_source import VideoSource
 from img_recog.conversions import image_msgs
 from img_recog.conversions.compressed_image_msgs import from_msg
@@ -27,7 +27,7 @@ TOO_LARGE = '20000x20000 are 400000000 pixels, more than max_image_pixels = 5000
 CHILD = '''
 import resource, sys
 from img_recog.camera.selection import open_source
-from img_recog.camera.settings import CameraSettings
+from img_recog.camera.usb_cam_settings import UsbCamSettings
 from img_recog.conversions.compressed_image_msgs import from_msg
 from img_recog.errors import UserError
 from sensor_msgs.msg import CompressedImage
@@ -38,7 +38,7 @@ def peak_mb():
 before = peak_mb()
 for path in sys.argv[1:]:
     for decode in (lambda: from_msg(CompressedImage(data=open(path, 'rb').read())),
-                   lambda: open_source(CameraSettings(video_device=path))):
+                   lambda: open_source(UsbCamSettings(video_device=path))):
         try:
             decode()
         except UserError as error:
@@ -67,8 +67,8 @@ def test_a_video_that_states_a_large_size_is_not_decoded(tmp_path):
     writer.release()
     with pytest.raises(SourceError, match=r'^cannot play .*video.avi: 640x480 are 307200 pixels, '
                        r'more than max_image_pixels = 307199; set max_image_pixels'):
-        open_source(CameraSettings(video_device=path, max_image_pixels=307199))
-    assert open_source(CameraSettings(video_device=path, max_image_pixels=307200)).width == 640
+        open_source(UsbCamSettings(video_device=path, max_image_pixels=307199))
+    assert open_source(UsbCamSettings(video_device=path, max_image_pixels=307200)).width == 640
 
 
 def test_a_video_that_grows_midway_ends(clock):
@@ -137,7 +137,7 @@ def test_large_images_of_a_folder_are_skipped(tmp_path):
 
 def test_synthetic_scene():
     with pytest.raises(SourceError, match='cannot draw the synthetic scene: 16384x16384 are'):
-        open_source(CameraSettings(video_device='synthetic', image_width=16384,
+        open_source(UsbCamSettings(video_device='synthetic', image_width=16384,
                                    image_height=16384))
 
 

@@ -10,7 +10,7 @@ from img_recog.model import BOX, CYLINDER, MESH, Material, Shape
 from img_recog.simulation.physics import build
 from img_recog.simulation.physics.client import connect
 from img_recog.simulation.robot_spec import RobotSpec
-from img_recog.simulation.settings import RobotSettings, SpawnSettings
+from img_recog.simulation.simulation_settings import RobotSettings, SpawnSettings
 from img_recog.simulation.vehicle import Vehicle
 from img_recog_helpers.parsed import given, lumped, part
 from img_recog_helpers.robots import burgers_drive, read, simulator

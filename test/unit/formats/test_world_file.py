@@ -10,7 +10,7 @@ from img_recog.model import BOX, Model, Shape
 from img_recog.simulation import assembly
 from img_recog.simulation.physics.client import connect
 from img_recog.simulation.physics.world import World
-from img_recog.simulation.settings import PhysicsSettings
+from img_recog.simulation.simulation_settings import PhysicsSettings
 from img_recog_helpers.refusals import refusal
 from img_recog_helpers.robots import WORLDS
 from img_recog_helpers.sdf import BUILT_IN, CRATE, SHELF, sdf

@@ -12,7 +12,7 @@ from concurrent.futures import ThreadPoolExecutor
 import pytest
 
 from img_recog.errors import UserError, one_line
-from img_recog.processes.bag_recording import BagRecording, Recorder
+from img_recog.processes.bag_recording import BagRecording, RecordingSwitch
 from img_recog.processes import bag_recording
 from img_recog_helpers.pages import ROOT
 from img_recog_helpers.waiting import DEADLINE_S, wait_for
@@ -135,7 +135,7 @@ def in_another_thread(call, *arguments):
 
 
 def test_one_recording_for_all_who_start_and_stop_it(recording, tmp_path):
-    recorder = Recorder(lambda: recording(COMPLETE + WRITE + LOOP))
+    recorder = RecordingSwitch(lambda: recording(COMPLETE + WRITE + LOOP))
     path = str(tmp_path / 'new.bag')
     assert recorder.path == '' == recorder.record(False)
     assert in_another_thread(recorder.record, True) == path
@@ -149,7 +149,7 @@ def test_one_recording_for_all_who_start_and_stop_it(recording, tmp_path):
 def test_a_recorder_after_a_failure(recording, tmp_path):
     scripts = ['exit 3', WRITE + UNTIL_FULL + MOVE, COMPLETE + WRITE + LOOP]
     started = []
-    recorder = Recorder(lambda: started.append(recording(scripts.pop(0))) or started[-1])
+    recorder = RecordingSwitch(lambda: started.append(recording(scripts.pop(0))) or started[-1])
     with pytest.raises(UserError, match='exit code 3'):
         recorder.record(True)
     path = str(tmp_path / 'new.bag')

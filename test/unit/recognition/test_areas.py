@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from img_recog.recognition.areas import ENCODINGS, ColorExtractor
-from img_recog.recognition.settings import with_colors
+from img_recog.recognition.recognition_settings import with_colors
 from img_recog_helpers import plain_opencv
 from img_recog_helpers.extraction import extractor, random_image
 

@@ -2,7 +2,7 @@
 import pytest
 
 from img_recog.recognition.candidates import Search
-from img_recog.recognition.settings import with_colors
+from img_recog.recognition.recognition_settings import with_colors
 
 
 def is_useful(**limits):

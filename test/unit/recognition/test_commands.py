@@ -2,7 +2,7 @@
 import pytest
 
 from img_recog.recognition.commands import STOP, Command, Commander, commands_for
-from img_recog.recognition.settings import with_colors
+from img_recog.recognition.recognition_settings import with_colors
 
 FORWARD, BACKWARD = Command(10.0), Command(-10.0)
 BLUE, RED, NONE, BOTH = [2000, 0], [0, 2000], [0, 0], [2000, 2000]

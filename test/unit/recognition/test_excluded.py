@@ -5,7 +5,7 @@ import pytest
 
 from img_recog.recognition import excluded
 from img_recog.recognition.areas import ColorExtractor
-from img_recog.recognition.settings import with_colors
+from img_recog.recognition.recognition_settings import with_colors
 
 ARTICLE = with_colors()()
 AROUND = with_colors(['red'])(red_hue_min=170, red_hue_max=10)

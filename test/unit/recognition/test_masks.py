@@ -5,7 +5,7 @@ import pytest
 
 from img_recog.recognition import masks as masks_module
 from img_recog.recognition.masks import Masks
-from img_recog.recognition.settings import with_colors
+from img_recog.recognition.recognition_settings import with_colors
 from img_recog_helpers import plain_opencv
 
 ARTICLE = with_colors()().colors

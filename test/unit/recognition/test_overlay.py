@@ -7,7 +7,7 @@ import pytest
 from img_recog.recognition import overlay
 from img_recog.recognition.areas import ColorExtractor
 from img_recog.recognition.commands import Command
-from img_recog.recognition.settings import with_colors
+from img_recog.recognition.recognition_settings import with_colors
 
 SETTINGS = with_colors()(red_area_limit=400)
 BLUE, RED, GREY = (215, 70, 25), (60, 25, 215), (120, 120, 120)

@@ -4,7 +4,7 @@ import os
 import pytest
 
 from img_recog.recognition import parameter_file
-from img_recog.recognition.settings import Color, with_colors
+from img_recog.recognition.recognition_settings import Color, with_colors
 from img_recog.settings import ParameterError
 
 CONFIG = os.path.join(os.path.dirname(__file__), '..', '..', '..', 'config', 'colors.yaml')

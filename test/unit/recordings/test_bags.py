@@ -17,7 +17,7 @@ from img_recog.errors import UserError
 from img_recog.recordings import bag_file
 from img_recog.recordings.bags import BagFrames
 from img_recog.recordings.films import FilmFrames
-from img_recog.recordings.names import is_bag
+from img_recog.recordings.recording_names import is_bag
 from img_recog_helpers.descriptors import times_open
 from img_recog_helpers.replaying import BLUE, RED, image
 from img_recog_helpers.videos import VIDEO_RATE_HZ

@@ -9,7 +9,7 @@ from img_recog.errors import UserError
 from img_recog.rendering import opengl, renderer
 
 # imports what a node and replay.py import before anything is drawn
-LOADED = ('import sys, img_recog.nodes.gazebo.node, img_recog.replay.robot_frames; '
+LOADED = ('import sys, img_recog.nodes.gazebo.gazebo_node, img_recog.replay.robot_frames; '
           'sys.exit(str({"moderngl", "trimesh"} & set(sys.modules)))')
 MADE = '''
 import sys

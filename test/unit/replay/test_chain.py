@@ -1,7 +1,7 @@
 """The chain of a replay: when commands are sent in simulated time, and where the robot drives."""
 import pytest
 
-from img_recog.recognition.settings import with_colors
+from img_recog.recognition.recognition_settings import with_colors
 from img_recog.replay.chain import RECOGNITION, TELEOP, Chain, ColorRecognition
 from img_recog_helpers import robots
 from img_recog_helpers.replaying import BLUE, RED, EventLog, frame

@@ -6,7 +6,7 @@ import cv2
 import numpy as np
 import pytest
 
-from img_recog.recognition.settings import with_colors
+from img_recog.recognition.recognition_settings import with_colors
 from img_recog.replay import figure
 from img_recog.replay.plot_data import PlotData
 from img_recog_helpers.figures import assert_unchanged, of_matplotlib

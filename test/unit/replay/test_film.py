@@ -7,7 +7,7 @@ import pytest
 
 from img_recog.camera.decoder import open_decoder
 from img_recog.errors import UserError
-from img_recog.recognition.settings import with_colors
+from img_recog.recognition.recognition_settings import with_colors
 from img_recog.replay.film import RATE_HZ, Film
 from img_recog.replay.film_picture import HEIGHT, WIDTH, FilmPicture
 from img_recog_helpers.films import SQUARE, card, frames_of

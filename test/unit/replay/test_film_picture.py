@@ -5,7 +5,7 @@ import cv2
 import numpy as np
 import pytest
 
-from img_recog.recognition.settings import with_colors
+from img_recog.recognition.recognition_settings import with_colors
 from img_recog.replay import film_parts
 from img_recog.replay.film_picture import (HEIGHT, WIDTH, FilmPicture, line_colors,
                                            masks_grid)

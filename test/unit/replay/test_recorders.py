@@ -12,7 +12,7 @@ import rosbag
 from img_recog.command_line import results
 from img_recog.conversions import color_detection_msgs, robot_msgs, twist_msgs
 from img_recog.recognition.commands import Command
-from img_recog.recognition.settings import with_colors
+from img_recog.recognition.recognition_settings import with_colors
 from img_recog.replay.chain import Chain, ColorRecognition, CommandSent, FrameResult
 from img_recog.replay.figure import ReplayFigure
 from img_recog.replay.recorders import BagRecorder, PlotRecorder, TableRecorder

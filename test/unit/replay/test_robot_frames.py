@@ -7,7 +7,7 @@ import pytest
 from img_recog.errors import SimulationError
 from img_recog.rendering.light import LightSettings
 from img_recog.replay.robot_frames import RobotFrames
-from img_recog.simulation.settings import CameraSettings
+from img_recog.simulation.simulation_settings import CameraSettings
 from img_recog_helpers.robots import assemble
 from img_recog_helpers.sdf import BUILT_IN, sdf
 

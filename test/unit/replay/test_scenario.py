@@ -4,7 +4,7 @@ import pytest
 from img_recog.errors import UserError
 from img_recog.loading import resources
 from img_recog.replay import scenario
-from img_recog.simulation.settings import CameraSettings, SpawnSettings
+from img_recog.simulation.simulation_settings import CameraSettings, SpawnSettings
 from img_recog_helpers import robots
 from img_recog_helpers.robots import assemble, burger
 

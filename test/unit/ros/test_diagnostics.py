@@ -7,8 +7,8 @@ from diagnostic_msgs.msg import DiagnosticStatus
 from diagnostic_updater import DiagnosticStatusWrapper
 
 from img_recog.ros import diagnostics
-from img_recog.ros.diagnostics import (Counter, Durations, NodeDiagnostics, Refusals, add_counter,
-                                       add_durations, add_refusals)
+from img_recog.ros.diagnostics import (Durations, EventCounter, NodeDiagnostics, Refusals,
+                                       add_counter, add_durations, add_refusals)
 from img_recog_helpers.statuses import values
 from img_recog_helpers.waiting import DEADLINE_S, stretch, wait_for
 
@@ -16,7 +16,7 @@ OK, WARN = DiagnosticStatus.OK, DiagnosticStatus.WARN
 
 
 def test_a_rate_is_that_of_the_last_three_seconds(clock, status):
-    counter = Counter(clock)
+    counter = EventCounter(clock)
     assert counter.rate_hz() == 0
     for expected in (10, 10, 10, 10, 10 * 2 / 3, 10 / 3, 0, 0):
         if clock.now_s < 104:
@@ -29,7 +29,7 @@ def test_a_rate_is_that_of_the_last_three_seconds(clock, status):
 
 
 def test_many_threads_lose_no_event():
-    counter, refusals, durations = Counter(), Refusals(), Durations()
+    counter, refusals, durations = EventCounter(), Refusals(), Durations()
 
     def add():
         for _ in range(2000):

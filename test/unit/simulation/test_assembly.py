@@ -7,7 +7,7 @@ import pytest
 from img_recog.conversions.sensor_table import SENSORS
 from img_recog.simulation.robot_spec import read_robot
 from img_recog.simulation.sensors.odometry import OdometrySettings
-from img_recog.simulation.settings import RobotSettings
+from img_recog.simulation.simulation_settings import RobotSettings
 from img_recog_helpers import wheeled
 from img_recog_helpers.refusals import refusal
 from img_recog_helpers.robots import assemble, burger, burgers_drive, read

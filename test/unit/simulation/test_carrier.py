@@ -8,7 +8,7 @@ from img_recog.formats import world_file
 from img_recog.formats.world_file import WorldFile
 from img_recog.simulation import assembly
 from img_recog.simulation.models import Models
-from img_recog.simulation.settings import PhysicsSettings
+from img_recog.simulation.simulation_settings import PhysicsSettings
 from img_recog_helpers.robots import simulator
 from img_recog_helpers.sdf import BOX, BUILT_IN, INERTIAL, convert, sdf
 

@@ -1,6 +1,6 @@
 """The names of the topics and frames of one of several robots."""
 from img_recog.simulation.names import Names
-from img_recog.simulation.settings import CameraSettings
+from img_recog.simulation.simulation_settings import CameraSettings
 
 CAMERA = CameraSettings(camera_frame='camera_link', camera_image_topic='eye/image',
                         camera_info_topic='/eye/info')

@@ -8,7 +8,7 @@ import pytest
 from img_recog.errors import SimulationError
 from img_recog.formats import world_file
 from img_recog.simulation import assembly
-from img_recog.simulation.settings import PhysicsSettings
+from img_recog.simulation.simulation_settings import PhysicsSettings
 from img_recog_helpers.robots import WORLDS, burger, burgers, read
 from img_recog_helpers.robots import settings_of as settings
 

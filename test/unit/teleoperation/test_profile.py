@@ -2,7 +2,7 @@
 import pytest
 
 from img_recog.teleoperation.profile import VelocityProfile
-from img_recog.teleoperation.settings import TeleopSettings
+from img_recog.teleoperation.teleop_settings import TeleopSettings
 
 
 def pressed(keys, profile=None):

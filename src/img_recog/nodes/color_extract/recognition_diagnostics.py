@@ -5,8 +5,8 @@ from typing import Callable, Tuple
 from diagnostic_msgs.msg import DiagnosticStatus
 from diagnostic_updater import DiagnosticStatusWrapper
 
-from img_recog.ros.diagnostics import (Counter, Durations, Refusals, add_counter, add_durations,
-                                       add_refusals)
+from img_recog.ros.diagnostics import (Durations, EventCounter, Refusals, add_counter,
+                                       add_durations, add_refusals)
 
 _STALE_S = 2.0          # without an image: longer is a warning
 _MIN_SHARE = 0.8        # of the images that are processed: below is a warning
@@ -29,8 +29,9 @@ class RecognitionDiagnostics:
         topic: of the images.
         """
         self._topic, self._now = topic, now
-        self.received, self.replaced, self.processed = Counter(now), Counter(now), Counter(now)
-        self.refused, self.commands = Refusals(), Counter(now)
+        self.received, self.replaced = EventCounter(now), EventCounter(now)
+        self.processed, self.commands = EventCounter(now), EventCounter(now)
+        self.refused = Refusals()
         self.processing, self.latency = Durations(), Durations()
         self._reported, self._last_s = 0, now()
 

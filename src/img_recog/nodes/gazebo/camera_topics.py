@@ -26,7 +26,7 @@ from img_recog.ros.transport.image_publisher import ImagePublisher, LargePublish
 from img_recog.ros.transport.redelivery import Redelivery
 from img_recog.settings import SettingError
 from img_recog.simulation.sensors.robot_camera import Exposure, optical_frame
-from img_recog.simulation.settings import CameraSettings
+from img_recog.simulation.simulation_settings import CameraSettings
 
 _FROM_RGB = {'bgr8': cv2.COLOR_RGB2BGR, 'mono8': cv2.COLOR_RGB2GRAY}
 _INFO_QUEUE_SIZE = 10       # so that each image has its camera info, also if a sender has to wait

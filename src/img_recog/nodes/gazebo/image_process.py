@@ -16,7 +16,7 @@ from img_recog.processes.helper_process import HelperProcess
 from img_recog.rendering import renderer, server
 from img_recog.rendering.camera import Camera
 from img_recog.rendering.server import Answer, Picture, Request, Shot
-from img_recog.ros.diagnostics import Counter, Durations, add_counter, add_durations
+from img_recog.ros.diagnostics import EventCounter, Durations, add_counter, add_durations
 
 _POLL_PERIOD_S = 0.1
 _MAX_WAIT_S = 60.0          # for images, a scene or the start; then the process hangs
@@ -56,7 +56,7 @@ class ImageProcess:
         self._failures = 0
         self._said: Set[str] = set()
         self._problem = ''
-        self._images, self._durations = Counter(), Durations()
+        self._images, self._durations = EventCounter(), Durations()
 
     @property
     def is_ready(self) -> bool:

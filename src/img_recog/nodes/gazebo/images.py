@@ -13,7 +13,7 @@ from img_recog.nodes.gazebo.image_process import ImageProcess
 from img_recog.nodes.gazebo.lockstep import Lockstep
 from img_recog.simulation.names import Names
 from img_recog.nodes.gazebo.static_transforms import StaticTransforms
-from img_recog.nodes.gazebo.view import ViewTopic
+from img_recog.nodes.gazebo.view_topic import ViewTopic
 from img_recog.rendering.server import Picture, Shot
 from img_recog.simulation.carrier import Carrier, Reading
 from img_recog.simulation.pictures import visual_scene
@@ -22,7 +22,7 @@ from img_recog.simulation.pictures.view import above
 from img_recog.simulation.pictures.visual_scene import Parts
 from img_recog.simulation.pictures.window import Window
 from img_recog.simulation.sensors import robot_camera
-from img_recog.simulation.settings import CameraSettings, ViewSettings
+from img_recog.simulation.simulation_settings import CameraSettings, ViewSettings
 from img_recog.simulation.simulator import Simulator
 
 # Where OpenGL runs on the processor, the physics comes first; in lockstep, it waits.

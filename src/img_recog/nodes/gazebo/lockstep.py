@@ -8,7 +8,7 @@ import rospy
 
 from img_recog.conversions import headers, robot_msgs
 from img_recog.errors import SimulationError, UserError
-from img_recog.nodes.gazebo.chain import Chain
+from img_recog.nodes.gazebo.answering_nodes import AnsweringNodes
 from img_recog.nodes.gazebo.lockstep_settings import END, KINDS, LockstepSettings
 from img_recog.nodes.gazebo.standing_report import StandingReport
 from img_recog.ros.log.throttle import ThrottledWarning
@@ -53,7 +53,7 @@ class Lockstep:
         self._others: Dict[str, SettledSubscriber] = {}
         self.redelivery = Redelivery()
         self._report = StandingReport('lockstep: ')
-        self._chain = Chain(self.redelivery, self._report)
+        self._answering = AnsweringNodes(self.redelivery, self._report)
         self._namespaces: Set[str] = set()      # of all robots, also of those that were removed
         self._lock = threading.Lock()       # of what follows, and of the answers
         self._is_sent, self._sent_s = False, 0.0
@@ -156,7 +156,7 @@ class Lockstep:
         time_s: their stamp; namespaces: of the robots that have measured, and of all. A topic in
         the namespace of a robot answers the sensors of this robot, any other one those of all.
         """
-        self._chain.clear()
+        self._answering.clear()
         measured = set(map(rospy.resolve_name, filter(None, namespaces)))
         self._namespaces.update(map(rospy.resolve_name, filter(None, all_namespaces)))
         with self._lock:
@@ -179,14 +179,14 @@ class Lockstep:
         Raises UserError when no answer came in time and lockstep_at_timeout is end.
         """
         if not self._is_ready:
-            self._is_ready = self._chain.begins(time_s, self._types(self._answers))
+            self._is_ready = self._answering.begins(time_s, self._types(self._answers))
             if not self._is_ready:
                 return True
         with self._lock:
             missing, sent_s = self._missing(), self._sent_s if self._is_sent else None
         if missing and sent_s is not None:
             if time.monotonic() < sent_s + self._settings.lockstep_timeout:
-                self._chain.deliver_again(time_s, self._types(missing), sent_s)
+                self._answering.deliver_again(time_s, self._types(missing), sent_s)
                 self._report(time_s, 'an answer on ' + ', '.join(missing), sent_s)
             else:
                 self._give_up(missing, time_s)

@@ -13,7 +13,7 @@ from std_msgs.msg import Header
 from img_recog import rotations
 from img_recog.conversions import robot_msgs
 from img_recog.errors import SimulationError, UserError, one_line
-from img_recog.formats import drive_tags, model_file, names
+from img_recog.formats import allowed_names, drive_tags, model_file
 from img_recog.loading import resources
 from img_recog.model import Tree
 from img_recog.nodes.gazebo.physics_services import RuntimeSettings, ServiceCalls
@@ -23,7 +23,7 @@ from img_recog.ros.log.throttle import ThrottledWarning
 from img_recog.rotations import Transform
 from img_recog.simulation.models import LINK_SEPARATOR, WORLD, Models
 from img_recog.simulation.pacing import Pace
-from img_recog.simulation.settings import SpawnSettings
+from img_recog.simulation.simulation_settings import SpawnSettings
 from img_recog.simulation.simulator import Simulator
 from img_recog.simulation.states import State, check
 
@@ -141,7 +141,7 @@ class ModelServices:
     def _robot_adder(self, name: str, request: Any, state: State,
                      frame: str) -> Callable[[], None]:
         """Return what adds a robot that has a drive: it gets topics in its namespace."""
-        names.check_model(name)
+        allowed_names.check_model(name)
         pose = self._calls.call(lambda: self._models.pose_in_world(state, frame))
         return partial(self._robots.add, self._reader.spawned(
             name, request.model_xml, request.robot_namespace.strip('/'), self._start(pose)))

@@ -8,10 +8,10 @@ import rospy
 from std_srvs.srv import Empty, EmptyResponse
 
 from img_recog.errors import SimulationError
-from img_recog.ros.diagnostics import Counter
+from img_recog.ros.diagnostics import EventCounter
 from img_recog.ros.queues import CallQueue
 from img_recog.settings import Settings, one_of, setting
-from img_recog.simulation.settings import REAL_TIME_FACTORS, VIEWS
+from img_recog.simulation.simulation_settings import REAL_TIME_FACTORS, VIEWS
 
 _TIMEOUT_S = 5.0
 
@@ -33,7 +33,7 @@ class ServiceCalls:
 
     def __init__(self):
         self._queue = CallQueue()
-        self.late = Counter()
+        self.late = EventCounter()
 
     @property
     def waiting(self) -> int:

@@ -18,8 +18,8 @@ from img_recog.settings import ParameterError, Settings, setting, setting_fields
 from img_recog.simulation import robot_spec
 from img_recog.simulation.names import Names, topic_fields
 from img_recog.simulation.robot_spec import RobotSpec
-from img_recog.simulation.settings import (CameraSettings, DriveSettings, NoiseSettings,
-                                           SpawnSettings)
+from img_recog.simulation.simulation_settings import (CameraSettings, DriveSettings, NoiseSettings,
+                                                      SpawnSettings)
 
 ROBOTS = '~robots'
 _MAX_NAME = 100         # characters

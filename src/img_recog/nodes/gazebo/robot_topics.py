@@ -9,9 +9,9 @@ from tf2_msgs.msg import TFMessage
 from img_recog.conversions import plane_msgs, robot_msgs, twist_msgs
 from img_recog.conversions.plane_msgs import PlanePose, PoseError
 from img_recog.errors import SimulationError
-from img_recog.nodes.gazebo.diagnostics import CommandCounts
 from img_recog.nodes.gazebo.lockstep import Lockstep
 from img_recog.nodes.gazebo.physics_services import ServiceCalls
+from img_recog.nodes.gazebo.simulation_diagnostics import CommandCounts
 from img_recog.ros.log.throttle import Throttle, ThrottledWarning
 from img_recog.ros.queues import LatestValue
 from img_recog.ros.transport.direct_publisher import DirectPublisher

@@ -13,7 +13,7 @@ from img_recog.nodes.gazebo.physics_services import ServiceCalls
 from img_recog.ros import parameters
 from img_recog.settings import Settings, between, nearest_period, setting
 from img_recog.simulation.pacing import Pace
-from img_recog.simulation.settings import whole_steps
+from img_recog.simulation.simulation_settings import whole_steps
 from img_recog.simulation.simulator import Simulator
 
 _CAMERA_RATE_HZ = 30.0

@@ -7,7 +7,7 @@ from diagnostic_msgs.msg import DiagnosticStatus
 from diagnostic_updater import DiagnosticStatusWrapper
 
 from img_recog.camera.source import FrameSource
-from img_recog.ros.diagnostics import WINDOW_S, Counter, Durations, Refusals, add_durations
+from img_recog.ros.diagnostics import WINDOW_S, EventCounter, Durations, Refusals, add_durations
 
 _MIN_SHARE = 0.8        # of the expected rate: below is a warning
 _MIN_MEASURED_S = 0.5
@@ -26,7 +26,7 @@ class CameraDiagnostics:
         self._device = device
         self._lock = threading.Lock()
         self._source: Optional[FrameSource] = None
-        self.frames, self.dropped, self.skipped = Counter(now), Counter(now), Refusals()
+        self.frames, self.dropped, self.skipped = EventCounter(now), EventCounter(now), Refusals()
         self.ages, self.publishing = Durations(), Durations()
         self._lost: Optional[str] = None
         self._losses, self._active = 0, False

@@ -12,7 +12,7 @@ from std_msgs.msg import Header
 from img_recog import files
 from img_recog.camera import calibration
 from img_recog.camera.calibration import Calibration
-from img_recog.camera.settings import CameraSettings
+from img_recog.camera.usb_cam_settings import UsbCamSettings
 from img_recog.conversions import camera_info_msgs
 from img_recog.ros import parameters
 from img_recog.settings import SettingError
@@ -23,7 +23,7 @@ _URLS = 'file:///PATH, package://PACKAGE/PATH or empty'
 class CameraCalibration:
     """The current calibration, and the service ~set_camera_info (sensor_msgs/SetCameraInfo)."""
 
-    def __init__(self, settings: CameraSettings):
+    def __init__(self, settings: UsbCamSettings):
         """Load the calibration file if it exists.
 
         Raises ParameterError when camera_info_url is not the URL of a file.

@@ -7,7 +7,7 @@ import rospy
 
 from img_recog.camera import controls
 from img_recog.camera.controls import ControlDevice
-from img_recog.camera.settings import ControlSettings
+from img_recog.camera.usb_cam_settings import ControlSettings
 from img_recog.errors import one_line
 from img_recog.settings import setting_fields
 

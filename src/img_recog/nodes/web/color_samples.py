@@ -19,7 +19,7 @@ _MIN_FREE_BYTES = 1_000_000_000
 _fitting = threading.Lock()     # one search at a time in this program
 
 
-class State(NamedTuple):
+class SamplesState(NamedTuple):
     """What all pages of a robot share; offers: for the samples, or else is_searching.
 
     problem: why there are no offers.
@@ -42,7 +42,7 @@ class ColorSamples:
         self._topic, self._pictures = topic, pictures
         self._lock = threading.Lock()
         self._saved: Tuple[Any, str] = (None, '')
-        self.state = State()
+        self.state = SamplesState()
 
     def freeze(self) -> str:
         """Keep the newest picture; return its name. Waits for a moment until there is one."""
@@ -106,7 +106,7 @@ class ColorSamples:
     def _change(self, change: Callable[[Marked], Marked]) -> None:
         with self._lock:
             is_idle = not self.state.is_searching
-            self.state = State(change(self.state.marked), is_searching=True)
+            self.state = SamplesState(change(self.state.marked), is_searching=True)
             if is_idle:
                 threading.Thread(target=self._search, daemon=True).start()
 

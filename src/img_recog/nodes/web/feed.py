@@ -13,7 +13,7 @@ from typing import Any, Callable, Dict, List, Optional, Set, Tuple
 
 from starlette.websockets import WebSocket
 
-from img_recog.nodes.web.measurements import Topics
+from img_recog.nodes.web.measurements import WatchedTopics
 from img_recog.nodes.web.pictures import RATE_HZ, PictureTopics
 from img_recog.nodes.web.shown_robot import ShownRobot
 
@@ -32,7 +32,7 @@ class _Viewer:
         self.names: Tuple[str, ...] = ()
         self.is_looking, self.is_ready = asyncio.Event(), asyncio.Event()
         # what it has got: of the measurements, and of the pictures
-        self.cursors: Dict[Topics, Optional[int]] = dict.fromkeys(robot.topics)
+        self.cursors: Dict[WatchedTopics, Optional[int]] = dict.fromkeys(robot.topics)
         self.numbers: Dict[str, int] = {}
         self.malformed = 0
         self.is_refused = False         # another page drives
@@ -52,7 +52,7 @@ class Feed:
     def __init__(self, pictures: PictureTopics, failed: Callable[[Exception], None]):
         """Serve nobody yet; failed: is called with an unexpected error, which ends a page."""
         self._pictures, self._failed = pictures, failed
-        self._watched: Set[Topics] = set()
+        self._watched: Set[WatchedTopics] = set()
         self._viewers: Set[_Viewer] = set()
 
     @property

@@ -30,7 +30,7 @@ Topic = Tuple[str, type, Callable[[Any], None]]         # resolved name, message
 Source = Callable[[Updates], Iterable[Topic]]           # topics, and where their callbacks write
 
 
-class Topics:
+class WatchedTopics:
     """Subscribes to topics while somebody looks. updates: what they say."""
 
     def __init__(self) -> None:
@@ -88,7 +88,7 @@ class Topics:
             time.sleep(RETRY_PERIOD_S)
 
 
-class SystemTopics(Topics):
+class SystemTopics(WatchedTopics):
     """What all robots have in common: the simulator, who is where, and the sources of the tabs."""
 
     def __init__(self, sources: Iterable[Source]) -> None:
@@ -143,7 +143,7 @@ class SystemTopics(Topics):
                                     if name in robots})
 
 
-class RobotTopics(Topics):
+class RobotMeasurements(WatchedTopics):
     """What one robot does and sees. frame_id: of its odometry, '' before the first message."""
 
     def __init__(self, resolve: Callable[[str], str]):

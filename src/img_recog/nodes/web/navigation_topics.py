@@ -16,7 +16,7 @@ from tf2_msgs.msg import TFMessage
 from img_recog import rotations
 from img_recog.conversions import plane_msgs
 from img_recog.conversions.plane_msgs import PlanePose
-from img_recog.nodes.web.measurements import Topic, Topics, number, rounded
+from img_recog.nodes.web.measurements import Topic, WatchedTopics, number, rounded
 from img_recog.nodes.web.simulation_service import place_to_msg
 from img_recog.ros.log.throttle import ThrottledWarning
 
@@ -33,7 +33,7 @@ _GRAYS = np.full(256, 205, np.uint8)
 _GRAYS[:101] = np.linspace(254, 0, 101).round()
 
 
-class NavigationTopics(Topics):
+class NavigationTopics(WatchedTopics):
     """The map of a robot and what is in it, while somebody publishes it and somebody looks.
 
     updates: map, with the cells as PNG; origin: the pose of the frame of the odometry in the frame

@@ -21,7 +21,7 @@ _QUALITY = 80
 _TO_BGR = {'rgb8': cv2.COLOR_RGB2BGR, 'rgba8': cv2.COLOR_RGBA2BGR, 'bgra8': cv2.COLOR_BGRA2BGR}
 
 
-class Picture(NamedTuple):
+class EncodedPicture(NamedTuple):
     """An encoded image; number: of the image, to see whether it is a new one."""
 
     number: int
@@ -58,7 +58,7 @@ class PictureTopics:
                 self._thread = threading.Thread(target=self._run, daemon=True)
                 self._thread.start()
 
-    def latest(self, name: str) -> Optional[Picture]:
+    def latest(self, name: str) -> Optional[EncodedPicture]:
         """Return the newest picture of a topic, None if there is none."""
         topic = self._topics.get(name)
         return topic.picture if topic is not None else None
@@ -104,7 +104,7 @@ class _Topic:
         self._latest, self._warn = LatestValue(), ThrottledWarning()
         self._name, self._number, self._images = name, 0, ColorImages()
         self._kept: Optional[Image] = None      # the newest one that was taken, for `image`
-        self.picture: Optional[Picture] = None
+        self.picture: Optional[EncodedPicture] = None
         self._subscriber = ImageSubscriber(name, self._latest.put)
 
     def close(self) -> None:
@@ -123,7 +123,7 @@ class _Topic:
             self._warn('no picture of %s: %s', self._name, error)
             return
         self._number += 1
-        self.picture = Picture(self._number, jpeg)
+        self.picture = EncodedPicture(self._number, jpeg)
 
     def image(self) -> Optional[np.ndarray]:
         """Return a copy of the newest image, bgr8."""

@@ -7,7 +7,7 @@ from typing import Any, Callable
 
 from nicegui import ui
 
-from img_recog.nodes.web.color_samples import State
+from img_recog.nodes.web.color_samples import SamplesState
 from img_recog.nodes.web.page_elements import OneCall, button, card, paragraph, wait_for
 from img_recog.nodes.web.visit import Visit
 from img_recog.recognition.fitting.bounds import as_parameters
@@ -90,7 +90,7 @@ class SampleCard:
         self._rest.value = state.marked.rest_is_none
         self._list_samples(state)
 
-    def _list_samples(self, state: State) -> None:
+    def _list_samples(self, state: SamplesState) -> None:
         self._list.clear()
         with self._list:
             for each in state.marked.samples:

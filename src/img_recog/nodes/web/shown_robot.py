@@ -7,15 +7,15 @@ from img_recog.errors import UserError, one_line
 from img_recog.nodes.web.color_samples import ColorSamples
 from img_recog.nodes.web.color_tuning import ColorTuning
 from img_recog.nodes.web.driving import Driving
-from img_recog.nodes.web.measurements import RobotTopics, Topics
+from img_recog.nodes.web.measurements import RobotMeasurements, WatchedTopics
 from img_recog.nodes.web.navigation_topics import NavigationTopics
 from img_recog.nodes.web.pictures import PictureTopics
 from img_recog.nodes.web.simulation_service import PosePublisher
 from img_recog.recognition.parameter_file import COLORS, IMAGE_TOPIC
-from img_recog.recognition.settings import DEFAULT_COLORS, color_names
+from img_recog.recognition.recognition_settings import DEFAULT_COLORS, color_names
 from img_recog.ros import parameters, timed_xmlrpc
 from img_recog.ros.log.throttle import ThrottledWarning
-from img_recog.teleoperation.settings import VelocityLimits
+from img_recog.teleoperation.teleop_settings import VelocityLimits
 
 
 def resolve(robot: str, name: str) -> str:
@@ -40,11 +40,11 @@ class ShownRobot:
     """
 
     def __init__(self, name: str, limits: VelocityLimits, pictures: PictureTopics,
-                 system: Topics):
+                 system: WatchedTopics):
         """Advertise its topics; pictures and system: those of all robots."""
         self.name = name
         self._warn = ThrottledWarning()
-        own = RobotTopics(self.resolve)
+        own = RobotMeasurements(self.resolve)
         self.navigation = NavigationTopics(self.resolve, lambda: own.frame_id)
         self.topics = system, own, self.navigation
         self.driving = Driving(limits, self.resolve('cmd_vel'))

@@ -13,7 +13,7 @@ from img_recog.nodes.web.shown_robot import ShownRobot
 from img_recog.ros import timed_xmlrpc
 from img_recog.ros.log.throttle import ThrottledWarning
 from img_recog.ros.master import master
-from img_recog.teleoperation.settings import VelocityLimits
+from img_recog.teleoperation.teleop_settings import VelocityLimits
 
 _COMMANDS, _ODOMETRY = 'cmd_vel', 'odom'
 _PARTS = re.compile('([0-9]+)')

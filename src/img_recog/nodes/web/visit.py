@@ -5,7 +5,7 @@ from img_recog.nodes.web.shown_robot import PictureTopic, ShownRobot
 from img_recog.nodes.web.shown_robots import ShownRobots
 from img_recog.nodes.web.page_texts import Texts
 from img_recog.nodes.web.tuning import Tuning
-from img_recog.processes.bag_recording import Recorder
+from img_recog.processes.bag_recording import RecordingSwitch
 
 
 class Shared(NamedTuple):
@@ -13,7 +13,7 @@ class Shared(NamedTuple):
 
     robots: ShownRobots
     simulator: Tuning
-    recorder: Recorder
+    recorder: RecordingSwitch
 
 
 class Visit(NamedTuple):

@@ -7,7 +7,7 @@ import numpy as np
 import yaml
 
 from img_recog.errors import UserError
-from img_recog.recognition.fitting.labels import FrameLabels, Labeler
+from img_recog.recognition.fitting.frame_labels import FrameLabels, Labeler
 from img_recog.recognition.fitting.sample_file import OTHER
 from img_recog.recognition.fitting.samples import IGNORED, NO_COLOR, Region, Samples, corners
 

@@ -9,7 +9,7 @@ from matplotlib.figure import Figure
 
 from img_recog.recognition.fitting.histograms import HUES, SHAPE, UNIT, Sampled
 from img_recog.recognition.fitting.volume import Box, edges_of
-from img_recog.recognition.settings import Color
+from img_recog.recognition.recognition_settings import Color
 
 _WIDTH_IN, _ROW_IN, _DPI = 12.0, 2.6, 100
 _NAMES = 'hue', 'saturation', 'value'

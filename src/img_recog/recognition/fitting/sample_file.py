@@ -8,7 +8,7 @@ from img_recog.formats.markup import MarkupError, read_bytes
 from img_recog.formats.yaml_text import load_yaml
 from img_recog.recognition.fitting.samples import (IGNORED, NO_COLOR, Range, Region, SampleError,
                                                    Samples, corners)
-from img_recog.recognition.settings import SettingError, color_names
+from img_recog.recognition.recognition_settings import SettingError, color_names
 
 OTHER = 'other'
 _MAX_BYTES, _MAX_NUMBER = 1 << 24, 1e9

@@ -13,7 +13,7 @@ import pybullet
 
 from img_recog import rotations
 from img_recog.errors import SimulationError
-from img_recog.formats import heightmaps, names
+from img_recog.formats import allowed_names, heightmaps
 from img_recog.formats.inertias import INERTIA_KEYS
 from img_recog.formats.meshes import mesh_file
 from img_recog.formats.meshes.mesh_file import MeshError
@@ -47,7 +47,7 @@ def load(model: Model, physics_client_id: int, fixed: bool = False, pose: Transf
     as the meshes, and not 1 mm larger on each side.
     Raises SimulationError when PyBullet cannot load it, or would crash.
     """
-    names.check_all(model)
+    allowed_names.check_all(model)
     if len(model.joints) > _MAX_JOINTS:
         raise SimulationError('it has {} joints, and PyBullet takes at most {}'.format(
             len(model.joints), _MAX_JOINTS), 'divide it into several models')

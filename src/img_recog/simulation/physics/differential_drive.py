@@ -4,7 +4,7 @@ from typing import Sequence, Tuple
 from img_recog.errors import SimulationError
 from img_recog.simulation.physics.drive import Drive, Velocity
 from img_recog.simulation.physics.robot import Motors, SimulatedRobot
-from img_recog.simulation.settings import DriveSettings
+from img_recog.simulation.simulation_settings import DriveSettings
 
 # m/s at the rim: once one side is this near to its target, the ramp of both ends (gazebo_plugins)
 _RAMP_END_TOLERANCE = 0.01

@@ -4,7 +4,7 @@ import math
 from typing import NamedTuple, Tuple
 
 from img_recog.simulation.physics.robot import Motors, SimulatedRobot
-from img_recog.simulation.settings import DriveSettings
+from img_recog.simulation.simulation_settings import DriveSettings
 
 _ROUNDING_PERIODS = 1e-6        # 0.07 s divided by 0.01 s is a little more than 7
 

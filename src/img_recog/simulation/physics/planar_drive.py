@@ -6,7 +6,7 @@ from img_recog import rotations
 from img_recog.simulation.physics.body import velocity_at
 from img_recog.simulation.physics.drive import Drive, Velocity
 from img_recog.simulation.physics.robot import Motors, SimulatedRobot
-from img_recog.simulation.settings import DriveSettings
+from img_recog.simulation.simulation_settings import DriveSettings
 
 
 class PlanarDrive(Drive):

@@ -9,7 +9,7 @@ from img_recog.model import CONTINUOUS, Model
 from img_recog.simulation.physics import build, friction, tyres
 from img_recog.simulation.physics.body import Pose
 from img_recog.simulation.physics.framed_body import FramedBody
-from img_recog.simulation.settings import SpawnSettings
+from img_recog.simulation.simulation_settings import SpawnSettings
 
 
 class JointStates(NamedTuple):

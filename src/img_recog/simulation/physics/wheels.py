@@ -10,7 +10,7 @@ from img_recog.formats.meshes import mesh_file
 from img_recog.formats.meshes.mesh_file import MeshError
 from img_recog.model import CYLINDER, FIXED, MESH, SPHERE, Joint, Look, Model, Solid
 from img_recog.rotations import IDENTITY, Transform
-from img_recog.simulation.settings import DriveSettings
+from img_recog.simulation.simulation_settings import DriveSettings
 
 _TOLERANCE = 0.05       # relative: Gazebo's tags are often rounded
 _DEFAULT_DIAMETER = DriveSettings().wheel_diameter

@@ -17,7 +17,7 @@ from img_recog.simulation.physics.framed_body import FramedBody
 from img_recog.simulation.physics.meeting import Meeting
 from img_recog.simulation.physics.pushes import Pushes
 from img_recog.simulation.physics.solids import Solids
-from img_recog.simulation.settings import PhysicsSettings
+from img_recog.simulation.simulation_settings import PhysicsSettings
 
 # Gazebo's ground_plane, as it is included without a pose
 FLOOR = Tree('ground_plane', Model('ground_plane', (

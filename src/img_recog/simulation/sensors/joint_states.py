@@ -6,7 +6,7 @@ from img_recog.formats.gazebo_tags import NAMES, RATE, Row, Tags
 from img_recog.settings import Settings, above, any_value, setting
 from img_recog.simulation.physics.robot import JointStates, SimulatedRobot
 from img_recog.simulation.sensors.sensor import Mount, Sensor
-from img_recog.simulation.settings import names_in
+from img_recog.simulation.simulation_settings import names_in
 
 # a drive can have them too
 TAGS = Tags(('gazebo_ros_joint_state_publisher',), (

@@ -11,15 +11,15 @@ from img_recog.formats.gazebo_tags import EACH_STEP, NAME, NUMBER, TOPIC, Reader
 from img_recog.formats.noises import Noise
 from img_recog.formats.texts import name_of, text_of
 from img_recog.settings import Settings, above, any_value, at_least, between, not_empty, setting
-from img_recog.simulation.sensors import rays
-from img_recog.simulation.sensors.rays import RaySensor
+from img_recog.simulation.sensors import ray_sensor
+from img_recog.simulation.sensors.ray_sensor import RaySensor
 from img_recog.simulation.sensors.sensor import Mount
 
 
 def _not_simulated(sensor: ElementTree.Element) -> Iterator[str]:
     if text_of(sensor, 'ray/scan/vertical/samples') not in ('', '1'):
         yield 'rows of rays of sensor {} above and below the middle one'.format(name_of(sensor))
-    yield from rays.sees_nothing(sensor)
+    yield from ray_sensor.sees_nothing(sensor)
 
 
 def _rest(element: ElementTree.Element, name: str) -> Optional[Tuple[Noise]]:
@@ -29,7 +29,7 @@ def _rest(element: ElementTree.Element, name: str) -> Optional[Tuple[Noise]]:
 
 # of libgazebo_ros_laser and _gpu_laser of gazebo_plugins, and of Gazebo's own ray sensors
 TAGS = Tags(('gazebo_ros_laser', 'gazebo_ros_gpu_laser'), (
-    *rays.fan_rows('scan'),
+    *ray_sensor.fan_rows('scan'),
     Row('scan_resolution', NUMBER, 'sensor', 'ray/scan/horizontal/resolution'),
     Row('scan_range_min', NUMBER, 'sensor', 'ray/range/min'),
     Row('scan_range_max', NUMBER, 'sensor', 'ray/range/max'),
@@ -75,7 +75,7 @@ class ScanSettings(Settings):
         >>> ScanSettings(scan_samples=3, scan_angle_max=1.0).angles().tolist()
         [0.0, 0.5, 1.0]
         """
-        return rays.angles(self.scan_samples, self.scan_angle_min, self.scan_angle_max)
+        return ray_sensor.angles(self.scan_samples, self.scan_angle_min, self.scan_angle_max)
 
     def middle(self, ranges: np.ndarray) -> np.ndarray:
         """Return the ranges of the middle row among those of all rows.
@@ -90,7 +90,7 @@ class LaserScanner(RaySensor):
     """Measures ranges, float64 of shape (rows times ranges,), in m, +inf where nothing is hit.
 
     The lowest row is the first. In each are scan_samples times scan_resolution, cut to a whole
-    number. rays.py finds the distances; here, noise and limits are added.
+    number. RaySensor finds the distances; here, noise and limits are added.
     """
 
     def __init__(self, mount: Mount, settings: ScanSettings):
@@ -104,7 +104,7 @@ class LaserScanner(RaySensor):
                                   '{:g} m'.format(settings.scan_range_min,
                                                   settings.scan_range_max))
         super().__init__(mount, mount.frame('scan_frame', settings.scan_frame),
-                         rays.directions(settings.angles(), rays.angles(
+                         ray_sensor.directions(settings.angles(), ray_sensor.angles(
                              settings.scan_rows, settings.scan_pitch_min,
                              settings.scan_pitch_max)),
                          (settings.scan_range_min, settings.scan_range_max))

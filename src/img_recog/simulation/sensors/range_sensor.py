@@ -7,15 +7,15 @@ from img_recog.errors import SimulationError
 from img_recog.formats.gazebo_tags import EACH_STEP, NAME, NUMBER, RATE, TOPIC, Row, Tags, choice
 from img_recog.settings import (Settings, above, any_value, at_least, between, not_empty, one_of,
                                 setting)
-from img_recog.simulation.sensors import rays
-from img_recog.simulation.sensors.rays import RaySensor
+from img_recog.simulation.sensors import ray_sensor
+from img_recog.simulation.sensors.ray_sensor import RaySensor
 from img_recog.simulation.sensors.sensor import Mount
 
 INFRARED, ULTRASOUND = 'infrared', 'ultrasound'
 
 # of libgazebo_ros_range of gazebo_plugins and libhector_gazebo_ros_sonar, with their defaults
 TAGS = Tags(('gazebo_ros_range', 'hector_gazebo_ros_sonar'), (
-    *rays.fan_rows('range'),
+    *ray_sensor.fan_rows('range'),
     Row('range_min', NUMBER, 'sensor', 'ray/range/min'),
     Row('range_max', NUMBER, 'sensor', 'ray/range/max'),
     Row('range_period_s', RATE, 'plugin', 'updateRate'),
@@ -26,7 +26,7 @@ TAGS = Tags(('gazebo_ros_range', 'hector_gazebo_ros_sonar'), (
     Row('range_frame', NAME, 'plugin', 'frameName', 'frameId'),
     Row('range_topic', TOPIC, 'plugin', 'topicName')),
     sensors=('ray',), frame='range_frame', needs_sensor=True,
-    not_simulated=rays.sees_nothing, defaults={
+    not_simulated=ray_sensor.sees_nothing, defaults={
         'range': {'range_period_s': EACH_STEP},
         'hector': {'range_period_s': EACH_STEP, 'range_radiation': ULTRASOUND,
                    'range_field_of_view': 0.0, 'range_topic': 'sonar'}})
@@ -77,10 +77,11 @@ class RangeSensor(RaySensor):
                                   .format(settings.range_min, settings.range_max))
         super().__init__(
             mount, mount.frame('range_frame', settings.range_frame),
-            rays.directions(rays.angles(settings.range_samples, settings.range_angle_min,
-                                        settings.range_angle_max),
-                            rays.angles(settings.range_rows, settings.range_pitch_min,
-                                        settings.range_pitch_max)),
+            ray_sensor.directions(
+                ray_sensor.angles(settings.range_samples, settings.range_angle_min,
+                                  settings.range_angle_max),
+                ray_sensor.angles(settings.range_rows, settings.range_pitch_min,
+                                  settings.range_pitch_max)),
             (settings.range_min, settings.range_max))
         self._settings, self._noise = settings, mount.noise
 

@@ -9,7 +9,7 @@ from img_recog.formats.gazebo_tags import Tags
 from img_recog.rotations import Transform, transform
 from img_recog.simulation.physics.framed_body import FramedBody
 from img_recog.simulation.sensors.sensor import Mount, Sensor
-from img_recog.simulation.settings import CameraSettings
+from img_recog.simulation.simulation_settings import CameraSettings
 
 CAMERA = 'camera'       # the name of the row
 TAGS = Tags((), ())     # formats/camera_values.py reads them

@@ -12,7 +12,7 @@ from img_recog.simulation.names import topic_fields
 from img_recog.simulation.physics.drive import Drive
 from img_recog.simulation.physics.framed_body import FramedBody
 from img_recog.simulation.physics.world import World
-from img_recog.simulation.settings import whole_steps
+from img_recog.simulation.simulation_settings import whole_steps
 
 
 class Sensor(abc.ABC):

@@ -2,7 +2,7 @@
 import numpy as np
 import pytest
 
-from img_recog.nodes.gazebo import camera_topics, view
+from img_recog.nodes.gazebo import camera_topics, view_topic
 
 
 class FakePublisher:
@@ -48,7 +48,7 @@ class FakeCompressed(FakePublisher):
 def publishers(monkeypatch):
     """The publishers of images that are made, by topic."""
     monkeypatch.setattr(FakePublisher, 'made', {})
-    for module in (camera_topics, view):
+    for module in (camera_topics, view_topic):
         monkeypatch.setattr(module, 'ImagePublisher', FakePublisher)
     monkeypatch.setattr(camera_topics, 'CompressedImages', FakeCompressed)
     for name in ('DirectPublisher', 'LargePublisher'):

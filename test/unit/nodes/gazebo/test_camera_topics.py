@@ -11,7 +11,7 @@ from img_recog.nodes.gazebo import camera_topics
 from img_recog.nodes.gazebo.camera_topics import CameraTopics, optical_transform
 from img_recog.ros.transport.redelivery import Redelivery
 from img_recog.simulation.sensors.robot_camera import Exposure
-from img_recog.simulation.settings import CameraSettings
+from img_recog.simulation.simulation_settings import CameraSettings
 
 SETTINGS = CameraSettings(camera_frame='camera_link', camera_width=32, camera_height=24,
                           camera_horizontal_fov=1.0, camera_optical_frame='lens',

@@ -4,11 +4,11 @@ from unittest import mock
 
 import pytest
 
-from img_recog.nodes.gazebo import view
+from img_recog.nodes.gazebo import view_topic
 from img_recog.nodes.gazebo.images import Images
 from img_recog.simulation.names import Names
 from img_recog.simulation.pictures.view import ABOVE, follow, horizontal_fov
-from img_recog.simulation.settings import CameraSettings, ViewSettings
+from img_recog.simulation.simulation_settings import CameraSettings, ViewSettings
 from img_recog_helpers import robots
 
 CAMERA = CameraSettings(camera_frame='base_link', camera_width=32, camera_height=24,
@@ -211,7 +211,7 @@ def test_another_scene(rig):
 
 def test_the_view_is_drawn_once_in_a_period_while_it_has_a_subscriber(
         publishers, clock, monkeypatch):
-    monkeypatch.setattr(view.time, 'monotonic', clock)
+    monkeypatch.setattr(view_topic.time, 'monotonic', clock)
     rig = Rig(publishers, view_rate=10.0)
     rig.images.update_view()
     assert not rig.process.is_started

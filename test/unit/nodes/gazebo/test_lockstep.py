@@ -9,7 +9,7 @@ from std_msgs.msg import Header
 from visualization_msgs.msg import Marker
 
 from img_recog.errors import UserError
-from img_recog.nodes.gazebo import chain, lockstep
+from img_recog.nodes.gazebo import answering_nodes, lockstep
 from img_recog.nodes.gazebo.lockstep import Lockstep
 from img_recog.nodes.gazebo.lockstep_settings import LockstepSettings
 from img_recog.settings import SettingError
@@ -68,7 +68,7 @@ def rig(monkeypatch):
     found = Rig()
     monkeypatch.setattr(FakeSubscriber, 'made', {})
     monkeypatch.setattr(lockstep, 'SettledSubscriber', FakeSubscriber)
-    monkeypatch.setattr(chain, 'Connections', lambda *_: found)
+    monkeypatch.setattr(answering_nodes, 'Connections', lambda *_: found)
 
     def missing(topics):
         found.asked = topics

@@ -2,8 +2,8 @@
 import pytest
 from diagnostic_msgs.msg import DiagnosticStatus
 
-from img_recog.nodes.gazebo.diagnostics import CommandCounts, SimulationDiagnostics
 from img_recog.nodes.gazebo.physics_services import ServiceCalls
+from img_recog.nodes.gazebo.simulation_diagnostics import CommandCounts, SimulationDiagnostics
 from img_recog.simulation.pacing import Pace
 from img_recog_helpers.statuses import values
 

@@ -10,7 +10,7 @@ from std_msgs.msg import Header
 
 from img_recog.camera import calibration
 from img_recog.camera.calibration import Calibration
-from img_recog.camera.settings import CameraSettings
+from img_recog.camera.usb_cam_settings import UsbCamSettings
 from img_recog.nodes.usb_cam import camera_info
 from img_recog.ros import parameters
 from img_recog.settings import ParameterError
@@ -57,7 +57,7 @@ def make(ros, tmp_path, monkeypatch):
             get_param=lambda *_: {'camera_info_url': url},
             resolve_name=lambda name: name.replace('~', '/usb_cam/')))
         calibration = camera_info.CameraCalibration(
-            CameraSettings(camera_info_url=url, **settings))
+            UsbCamSettings(camera_info_url=url, **settings))
         calibration.serve()
         return calibration
     return made

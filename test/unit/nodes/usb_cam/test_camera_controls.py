@@ -3,7 +3,7 @@ from types import SimpleNamespace
 
 import pytest
 
-from img_recog.camera.settings import ControlSettings
+from img_recog.camera.usb_cam_settings import ControlSettings
 from img_recog.nodes.usb_cam import device_controls
 from img_recog.nodes.usb_cam.device_controls import CameraControls
 

@@ -11,7 +11,7 @@ from img_recog.errors import UserError
 from img_recog.nodes.web import color_tuning
 from img_recog.nodes.web.color_tuning import ColorTuning
 from img_recog.recognition import parameter_file
-from img_recog.recognition.settings import with_colors
+from img_recog.recognition.recognition_settings import with_colors
 
 
 class Colors(ColorTuning):

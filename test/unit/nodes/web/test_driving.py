@@ -8,8 +8,8 @@ import pytest
 from img_recog.nodes.web import driving
 from img_recog.nodes.web.driving import HOLD_S, Driving, Speeds, yield_services
 from img_recog.ros import stopping_publisher
-from img_recog.ros.timed_xmlrpc import State
-from img_recog.teleoperation.settings import VelocityLimits
+from img_recog.ros.timed_xmlrpc import SystemState
+from img_recog.teleoperation.teleop_settings import VelocityLimits
 from img_recog_helpers.waiting import DEADLINE_S, wait_for
 
 
@@ -58,9 +58,9 @@ def test_who_drives(steps):
 
 
 def test_the_services_of_other_publishers(monkeypatch):
-    state = State({'/cmd_vel': ['/web', '/teleop', '/foreign'], '/odom': ['/gazebo']}, {},
-                  {'/teleop/yield': ['/teleop'], '/gazebo/yield': ['/gazebo'],
-                   '/foreign/get_loggers': ['/foreign']})
+    state = SystemState({'/cmd_vel': ['/web', '/teleop', '/foreign'], '/odom': ['/gazebo']}, {},
+                        {'/teleop/yield': ['/teleop'], '/gazebo/yield': ['/gazebo'],
+                         '/foreign/get_loggers': ['/foreign']})
     monkeypatch.setattr(driving.rospy, 'get_name', lambda: '/web')
     monkeypatch.setattr(driving.master, 'calls', lambda: SimpleNamespace(state=lambda: state))
     assert yield_services('/cmd_vel') == ['/teleop/yield']

@@ -8,7 +8,7 @@ import pytest
 
 from img_recog.nodes.web import feed
 from img_recog.nodes.web.feed import Feed
-from img_recog.nodes.web.pictures import Picture
+from img_recog.nodes.web.pictures import EncodedPicture
 from img_recog.nodes.web.updates import Updates
 from img_recog_helpers.waiting import DEADLINE_S, stretch
 
@@ -154,7 +154,8 @@ def run(monkeypatch):
 def test_a_page_gets_new_pictures_and_measurements_when_it_is_ready(run):
     async def scenario(served):
         updates, pictures = served.robot.updates, served.pictures
-        pictures.pictures = {CAMERA: Picture(1, b'jpeg 1'), BLUE: Picture(7, b'blue')}
+        pictures.pictures = {CAMERA: EncodedPicture(1, b'jpeg 1'),
+                             BLUE: EncodedPicture(7, b'blue')}
         updates.add('asked', [1.0, 0.2, 0.0])
         served.system.updates.set('factor', 1.0)
         socket = served.connect(look=[CAMERA, BLUE])
@@ -170,7 +171,7 @@ def test_a_page_gets_new_pictures_and_measurements_when_it_is_ready(run):
         assert len(socket.received) == 1            # nothing is new
         updates.add('asked', [1.1, 0.3, 0.0])
         await until(lambda: len(socket.received) == 2)
-        pictures.pictures[CAMERA] = Picture(2, b'jpeg 2')
+        pictures.pictures[CAMERA] = EncodedPicture(2, b'jpeg 2')
         socket.send(ready=1)
         await until(lambda: len(socket.received) == 3)
         assert socket.received[1:] == [({'asked': [[1.1, 0.3, 0.0]]}, {}),
@@ -185,7 +186,7 @@ def test_a_page_that_does_not_read_misses_frames_and_slows_nobody(run):
         for number in range(5):
             for socket in (slow, fast):
                 socket.send(ready=1)
-            served.pictures.pictures[CAMERA] = Picture(number, b'%d' % number)
+            served.pictures.pictures[CAMERA] = EncodedPicture(number, b'%d' % number)
             await until(lambda number=number: len(fast.received) > number)
         assert [jpegs for _, jpegs in fast.received] == [
             {CAMERA: b'%d' % number} for number in range(5)]

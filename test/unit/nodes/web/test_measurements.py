@@ -8,7 +8,7 @@ from rosgraph_msgs.msg import Log
 from sensor_msgs.msg import LaserScan
 
 from img_recog.nodes.web import log_tab, measurements, nodes_tab, updates
-from img_recog.nodes.web.measurements import RobotTopics, SystemTopics
+from img_recog.nodes.web.measurements import RobotMeasurements, SystemTopics
 from img_recog.nodes.web.updates import Updates
 
 
@@ -48,7 +48,7 @@ def test_the_topics_of_the_tabs_are_among_those_of_the_system():
 @pytest.mark.parametrize('field', ['angle_min', 'angle_increment'])
 @pytest.mark.parametrize('value', [float('nan'), float('inf')])
 def test_a_scan_without_angles_is_dropped(field, value):
-    robot = RobotTopics('/{}'.format)
+    robot = RobotMeasurements('/{}'.format)
     scanned = callbacks(robot.topics())['/scan']
     scanned(LaserScan(ranges=[1.0], range_max=2.0, **{field: value}))
     assert robot.updates.since(None)[1] == {}
@@ -58,7 +58,7 @@ def test_a_scan_without_angles_is_dropped(field, value):
 
 
 def test_a_scan_has_the_pose_of_its_moment():
-    robot = RobotTopics('/{}'.format)
+    robot = RobotMeasurements('/{}'.format)
     called = callbacks(robot.topics())
     for x in (1.0, 2.0):
         called['/odom'](odometry(x, 3.0))
@@ -72,7 +72,7 @@ def test_a_scan_has_the_pose_of_its_moment():
     ((0.0, 0.01, 0.03, 0.04, 0.06, 0.4), [0.0, 0.03, 0.06, 0.4]),      # those that are apart
     ((0.0, 0.3, 0.31, 0.82, 0.2), [0.0, 0.3, None, 0.82, None, 0.2])])  # the robot was moved
 def test_the_path(positions, path):
-    robot = RobotTopics('/{}'.format)
+    robot = RobotMeasurements('/{}'.format)
     for x in positions:
         callbacks(robot.topics())['/odom'](odometry(x, 1.0))
     assert robot.updates.since(None)[1]['path'] == [x if x is None else (x, 1.0) for x in path]
@@ -138,7 +138,7 @@ def test_a_topic_that_cannot_be_subscribed_is_tried_again_and_ends_no_other(
     monkeypatch.setattr(measurements.rospy, 'is_shutdown', lambda: False)
     monkeypatch.setattr(Failing, 'failures', {'/odom': 2})
     monkeypatch.setattr(Failing, 'subscribed', set())
-    robot = RobotTopics('/{}'.format)
+    robot = RobotMeasurements('/{}'.format)
     robot.watch(True)
     wait_for_threads()
     assert warnings == 2 * ['/odom: RuntimeError: no socket is left']

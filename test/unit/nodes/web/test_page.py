@@ -10,7 +10,7 @@ from img_recog.nodes.web import page
 from img_recog.nodes.web.shown_robot import PictureTopic
 from img_recog.nodes.web.tabs import Tab
 from img_recog.nodes.web.visit import Shared
-from img_recog.teleoperation.settings import VelocityLimits
+from img_recog.teleoperation.teleop_settings import VelocityLimits
 
 
 def add_sonar(visit):

@@ -8,7 +8,7 @@ from img_recog.nodes.web import shown_robot
 from img_recog.nodes.web.measurements import SystemTopics
 from img_recog.nodes.web.pictures import PictureTopics
 from img_recog.nodes.web.shown_robot import ShownRobot
-from img_recog.teleoperation.settings import VelocityLimits
+from img_recog.teleoperation.teleop_settings import VelocityLimits
 
 
 @pytest.fixture

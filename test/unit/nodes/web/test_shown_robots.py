@@ -7,8 +7,8 @@ from img_recog.nodes.web import shown_robots
 from img_recog.nodes.web.measurements import SystemTopics
 from img_recog.nodes.web.pictures import PictureTopics
 from img_recog.nodes.web.shown_robots import ShownRobots, names_in
-from img_recog.ros.timed_xmlrpc import State
-from img_recog.teleoperation.settings import VelocityLimits
+from img_recog.ros.timed_xmlrpc import SystemState
+from img_recog.teleoperation.teleop_settings import VelocityLimits
 
 WEB = '/web'
 
@@ -54,7 +54,7 @@ def test_the_robots_stay_while_a_new_master_knows_none(monkeypatch):
     for subscribed, names in ((['/a/cmd_vel /x', '/b/cmd_vel /x'], ['a', 'b']), ([], ['a', 'b']),
                               (['/b/cmd_vel /x'], ['b'])):
         monkeypatch.setattr(shown_robots.master, 'calls', lambda: SimpleNamespace(
-            state=lambda: State({}, users(*subscribed), {})))
+            state=lambda: SystemState({}, users(*subscribed), {})))
         found.update()
         assert found.names == names
 

@@ -5,7 +5,7 @@ import pytest
 from img_recog.recognition.areas import ColorExtractor
 from img_recog.recognition.fitting.limits import Areas, Limit, best_size, blobs
 from img_recog.recognition.fitting.score import Score
-from img_recog.recognition.settings import with_colors
+from img_recog.recognition.recognition_settings import with_colors
 
 
 def areas(seen, unseen):

@@ -5,7 +5,7 @@ import pytest
 
 from img_recog.errors import UserError
 from img_recog.recognition.fitting import marked, sample_file
-from img_recog.recognition.fitting.labels import Labeler
+from img_recog.recognition.fitting.frame_labels import Labeler
 from img_recog.recognition.fitting.marked import Marked
 from img_recog.recognition.fitting.samples import SampleError
 

@@ -7,7 +7,7 @@ from img_recog.formats import model_file, world_file
 from img_recog.simulation.models import Models, State
 from img_recog.simulation.physics.client import connect
 from img_recog.simulation.physics.world import World
-from img_recog.simulation.settings import PhysicsSettings
+from img_recog.simulation.simulation_settings import PhysicsSettings
 from img_recog_helpers.robots import simulator
 from img_recog_helpers.sdf import BOX, CRATE, INERTIAL, sdf
 

@@ -9,7 +9,7 @@ from img_recog.settings import from_mapping
 from img_recog.simulation import assembly
 from img_recog.simulation.physics.differential_drive import DifferentialDrive
 from img_recog.simulation.robot_spec import read_robot
-from img_recog.simulation.settings import DriveSettings, PhysicsSettings
+from img_recog.simulation.simulation_settings import DriveSettings, PhysicsSettings
 from img_recog_helpers.refusals import refusal
 from img_recog_helpers.wheeled import (TURN_SHARE, assembled, controllers, plugin, robot,
                                        velocity, wheel_mesh)

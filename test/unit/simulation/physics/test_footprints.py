@@ -8,7 +8,7 @@ from img_recog.formats import world_file
 from img_recog.simulation.physics.client import connect
 from img_recog.simulation.physics.footprints import footprints
 from img_recog.simulation.physics.world import World
-from img_recog.simulation.settings import PhysicsSettings
+from img_recog.simulation.simulation_settings import PhysicsSettings
 from img_recog_helpers import robots
 
 SHAPES = '''<robot name="shapes">

@@ -6,7 +6,7 @@ import pybullet
 import pytest
 
 from img_recog import rotations
-from img_recog.checks.simulation_run import Options, Run
+from img_recog.checks.simulation_run import RunOptions, SimulationRun
 from img_recog_helpers.wheeled import assembled, plugin, robot, velocity
 
 WORLD = ('<sdf version="1.6"><world name="w"><include><uri>model://ground_plane</uri></include>{}'
@@ -34,8 +34,8 @@ def moved(tmp_path, models, seconds, velocity=''):
     """Return where a box b is after a time, x and y in m; velocity: of it at the start."""
     path = tmp_path / 'w.sdf'
     path.write_text(WORLD.format(models))
-    lines = list(Run(Options(str(path), until_s=seconds, every_s=seconds,
-                             velocity=['b=' + velocity] if velocity else [])).lines())
+    lines = list(SimulationRun(RunOptions(str(path), until_s=seconds, every_s=seconds,
+                                          velocity=['b=' + velocity] if velocity else [])).lines())
     return next(line for line in lines[::-1] if 'links' in line)['links']['b::l'][:2]
 
 
@@ -102,7 +102,7 @@ def test_each_collision_of_a_link_has_its_bitmask(tmp_path):
     shelf = parts('shelf', '1', '0 0 0.1 0 0 0', ('0 0 0', '1 1 0.1', bits.format('0x2')))
     path = tmp_path / 'w.sdf'
     path.write_text(WORLD.format(models + shelf))
-    lines = list(Run(Options(str(path), until_s=2.0, every_s=1.0)).lines())
+    lines = list(SimulationRun(RunOptions(str(path), until_s=2.0, every_s=1.0)).lines())
     height = [line for line in lines if 'links' in line][-1]['links']['b::l'][2]
     assert height == pytest.approx(0.2, abs=0.002)
 
@@ -200,7 +200,7 @@ def test_what_touched_is_forgotten_on_a_reset(tmp_path):
     path = tmp_path / 'w.sdf'
     path.write_text(WORLD.format(
         box(mu(0.5), '0 0 0.05 0 0 0', 'low', '1 1 0.1') + box(mu(0.4), '0 0 0.15 0 0 0')))
-    simulator = Run(Options(str(path)))._simulator
+    simulator = SimulationRun(RunOptions(str(path)))._simulator
     client = {'physicsClientId': simulator.world.physics_client_id}
     body = simulator.world.bodies[1].body_id
 

@@ -5,7 +5,7 @@ from img_recog.formats import world_file
 from img_recog.simulation.figures import Figures
 from img_recog.simulation.physics.client import connect
 from img_recog.simulation.physics.world import World
-from img_recog.simulation.settings import PhysicsSettings
+from img_recog.simulation.simulation_settings import PhysicsSettings
 from img_recog.simulation.simulator import Simulator
 from img_recog_helpers.sdf import sdf
 

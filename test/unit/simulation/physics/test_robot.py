@@ -5,7 +5,7 @@ import pytest
 from img_recog.formats import world_file
 from img_recog.model import Tree
 from img_recog.simulation import assembly
-from img_recog.simulation.settings import PhysicsSettings
+from img_recog.simulation.simulation_settings import PhysicsSettings
 from img_recog_helpers.refusals import refusal
 from img_recog_helpers.robots import read
 from img_recog_helpers.wheeled import TURN_SHARE

@@ -3,7 +3,7 @@ import xml.etree.ElementTree as ElementTree
 
 import pytest
 
-from img_recog.checks.simulation_run import Options, Run
+from img_recog.checks.simulation_run import RunOptions, SimulationRun
 from img_recog.formats.urdf import read
 from img_recog.model import Contact
 
@@ -34,8 +34,8 @@ def heights(tmp_path, shape, height, mass, contact, times, bounce=''):
     path = tmp_path / 'w.sdf'
     path.write_text(WORLD.format(FLOOR.format(surface('', bounce)) + BODY.format(
         'b', 0, height, mass, shape, surface(contact, bounce), inertia=0.004 * mass)))
-    lines = [line for line in Run(Options(str(path), until_s=max(times), every_s=0.1)).lines()
-             if 'links' in line]
+    run = SimulationRun(RunOptions(str(path), until_s=max(times), every_s=0.1))
+    lines = [line for line in run.lines() if 'links' in line]
     return [lines[round(time * 10)]['links']['b::l'][2] for time in times]
 
 

@@ -11,7 +11,7 @@ from img_recog.simulation.pictures import visual_scene
 from img_recog.simulation.pictures.visual_scene import Parts
 from img_recog.simulation.sensors import robot_camera
 from img_recog.simulation.sensors.robot_camera import RobotCamera
-from img_recog.simulation.settings import CameraSettings
+from img_recog.simulation.simulation_settings import CameraSettings
 from img_recog_helpers.refusals import refusal
 from img_recog_helpers.robots import assemble, burger
 from img_recog_helpers.sdf import BUILT_IN, CRATE, SHELF, sdf

@@ -4,7 +4,7 @@ import pytest
 
 from img_recog.loading import assemble
 from img_recog.simulation.sensors.imu import ImuSettings
-from img_recog.simulation.settings import PhysicsSettings
+from img_recog.simulation.simulation_settings import PhysicsSettings
 from img_recog_helpers.robots import burger, read
 from img_recog_helpers.sdf import BUILT_IN
 

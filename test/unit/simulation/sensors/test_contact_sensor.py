@@ -8,7 +8,7 @@ from img_recog.formats import world_file
 from img_recog.simulation import assembly
 from img_recog.simulation.robot_spec import read_robot
 from img_recog.simulation.sensors import contact_sensor
-from img_recog.simulation.settings import PhysicsSettings
+from img_recog.simulation.simulation_settings import PhysicsSettings
 from img_recog_helpers import robots
 
 WALL = ('<sdf version="1.6"><model name="wall"><static>true</static><pose>1 0 0.5 0 0 0</pose>'

@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 from img_recog.errors import SimulationError
-from img_recog.simulation.settings import NoiseSettings
+from img_recog.simulation.simulation_settings import NoiseSettings
 from img_recog_helpers import turtlebot3_world
 from img_recog_helpers.robots import burgers, simulator
 

@@ -6,7 +6,7 @@ from img_recog.conversions.sensor_table import SENSORS
 from img_recog.formats import world_file
 from img_recog.formats.noises import Noise
 from img_recog.simulation import assembly
-from img_recog.simulation.settings import PhysicsSettings
+from img_recog.simulation.simulation_settings import PhysicsSettings
 from img_recog_helpers.sdf import BOX, sdf
 
 WALL = '<link name="wall"><pose>2 0 0 0 0 0</pose>' + BOX.format('collision', '', '1 9 9')

@@ -12,7 +12,7 @@ from img_recog.settings import SettingError
 from img_recog.simulation import assembly
 from img_recog.simulation.sensors.laser_scanner import LaserScanner, ScanSettings
 from img_recog.simulation.sensors.sensor import Mount
-from img_recog.simulation.settings import PhysicsSettings
+from img_recog.simulation.simulation_settings import PhysicsSettings
 from img_recog_helpers import robots
 from img_recog_helpers.refusals import refusal
 

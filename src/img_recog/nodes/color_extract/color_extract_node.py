@@ -38,7 +38,7 @@ from img_recog.nodes.color_extract.recognition_diagnostics import RecognitionDia
 from img_recog.recognition import overlay, parameter_file
 from img_recog.recognition.areas import ColorExtractor
 from img_recog.recognition.commands import Command, Commander
-from img_recog.recognition.settings import RecognitionSettings, with_colors
+from img_recog.recognition.recognition_settings import RecognitionSettings, with_colors
 from img_recog.ros import lifecycle, parameters
 from img_recog.ros.diagnostics import NodeDiagnostics
 from img_recog.ros.log.throttle import ChangeThrottle, ThrottledWarning

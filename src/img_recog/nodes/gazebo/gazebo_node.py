@@ -42,7 +42,6 @@ from img_recog.conversions.plane_msgs import PlanePose
 from img_recog.loading import assemble
 from img_recog.nodes.gazebo import model_services
 from img_recog.nodes.gazebo.clock import SimulatedClock
-from img_recog.nodes.gazebo.diagnostics import SimulationDiagnostics
 from img_recog.nodes.gazebo.images import Images
 from img_recog.nodes.gazebo.link_services import LinkServices
 from img_recog.nodes.gazebo.lockstep import Lockstep
@@ -54,6 +53,7 @@ from img_recog.nodes.gazebo.robot_reader import (ROBOTS, RobotReader, RobotsSett
                                                  robot_settings_classes)
 from img_recog.nodes.gazebo.robot_updates import RobotUpdates
 from img_recog.nodes.gazebo.robots import WORLD_FRAME, Robots
+from img_recog.nodes.gazebo.simulation_diagnostics import SimulationDiagnostics
 from img_recog.nodes.gazebo.static_transforms import StaticTransforms
 from img_recog.nodes.gazebo.stepping import Stepping, SteppingSettings
 from img_recog.nodes.gazebo.waiting import Waiting
@@ -62,7 +62,7 @@ from img_recog.ros.diagnostics import NodeDiagnostics
 from img_recog.ros.reconfigure import Reconfigurable
 from img_recog.simulation.models import Models
 from img_recog.simulation.pacing import Pace, timeout_scale
-from img_recog.simulation.settings import PhysicsSettings, ViewSettings, whole_steps
+from img_recog.simulation.simulation_settings import PhysicsSettings, ViewSettings, whole_steps
 
 _POLL_PERIOD_S = 0.1
 # Of simulated time, between two looks at commands and services; it takes about 1 ms. After the

@@ -38,19 +38,19 @@ from img_recog.nodes.web.feed import Feed
 from img_recog.nodes.web.measurements import SystemTopics
 from img_recog.nodes.web.pictures import PictureTopics
 from img_recog.nodes.web.page_server import Server, address, listen, report_errors
-from img_recog.nodes.web.settings import WebSettings
+from img_recog.nodes.web.web_settings import WebSettings
 from img_recog.nodes.web.shown_robot import resolve
 from img_recog.nodes.web.shown_robots import ShownRobots
 from img_recog.nodes.web.tabs import TABS
 from img_recog.nodes.web.tuning import Tuning
 from img_recog.nodes.web.visit import Shared
 from img_recog.processes import bag_recording
-from img_recog.processes.bag_recording import BagRecording, Recorder
+from img_recog.processes.bag_recording import BagRecording, RecordingSwitch
 from img_recog.ros import lifecycle, parameters
 from img_recog.ros.diagnostics import NodeDiagnostics
 from img_recog.ros.log.throttle import ThrottledWarning
 from img_recog.ros.master import master
-from img_recog.teleoperation.settings import VelocityLimits
+from img_recog.teleoperation.teleop_settings import VelocityLimits
 
 _POLL_PERIOD_S = 0.5
 _START_TIMEOUT_S, _QUIET_S = 10.0, 1.5
@@ -69,7 +69,7 @@ class Web:
         self._pictures = PictureTopics()
         topics = SystemTopics(tab.topics for tab in TABS if tab.topics is not None)
         self._robots = ShownRobots(limits, self._pictures, topics)
-        self._recorder = Recorder(self._start_recording)
+        self._recorder = RecordingSwitch(self._start_recording)
         lifecycle.on_shutdown(self._end_recording)
         self._feed = Feed(self._pictures, self._warn_of)
         sock = listen(settings.web_host, settings.web_port)

@@ -6,8 +6,8 @@ from diagnostic_msgs.msg import DiagnosticStatus
 from diagnostic_updater import DiagnosticStatusWrapper
 
 from img_recog.nodes.gazebo.physics_services import ServiceCalls
-from img_recog.ros.diagnostics import (Counter, Durations, Refusals, add_counter, add_durations,
-                                       add_refusals)
+from img_recog.ros.diagnostics import (Durations, EventCounter, Refusals, add_counter,
+                                       add_durations, add_refusals)
 from img_recog.simulation.pacing import Pace
 
 _MIN_SHARE = 0.8        # of the wanted real time factor: below is a warning
@@ -22,8 +22,8 @@ class CommandCounts:
 
     def __init__(self, now: Callable[[], float] = time.monotonic):
         self._now = now
-        self.received, self.replaced, self.refused = Counter(now), Counter(now), Refusals()
-        self.readings = Counter(now)
+        self.received, self.replaced = EventCounter(now), EventCounter(now)
+        self.refused, self.readings = Refusals(), EventCounter(now)
         self._last_s: Optional[float] = None
 
     def count_received(self, is_replacing: bool) -> None:

@@ -3,7 +3,7 @@ import dataclasses
 
 import pytest
 
-from img_recog.recognition.settings import Color, color_in, color_names, with_colors
+from img_recog.recognition.recognition_settings import Color, color_in, color_names, with_colors
 from img_recog.settings import SettingError
 
 

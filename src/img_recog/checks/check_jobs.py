@@ -101,7 +101,7 @@ def _simulate(words: List[str], _: object) -> str:
                         help='write an image of each camera at the end')
     given = parser.parse_args(words)
     from img_recog.checks import simulation_run
-    run = simulation_run.Run(simulation_run.Options(
+    run = simulation_run.SimulationRun(simulation_run.RunOptions(
         given.world, given.urdf, given.until, given.every, given.twist, given.drive,
         given.velocity, given.pictures))
     told = 0

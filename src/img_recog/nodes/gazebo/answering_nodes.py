@@ -13,7 +13,7 @@ from img_recog.ros.transport.redelivery import Redelivery
 _CHECK_PERIOD_S = 1.0       # of wall time, between two looks for nodes that came back
 
 
-class Chain:
+class AnsweringNodes:
     """Knows whether these nodes are connected, and gives those that come back what they missed.
 
     In what follows, types are those of the topics of the answers, by their names.

@@ -8,7 +8,7 @@ frame camera_frame_id; /diagnostics (diagnostic_msgs/DiagnosticArray) at 1 Hz;
 ~image_raw/compressed.
 Subscribes to nothing. Serves: ~start_capture, ~stop_capture (std_srvs/Empty), ~set_camera_info
 (sensor_msgs/SetCameraInfo), ~set_parameters (dynamic_reconfigure). Reads: the fields of
-CameraSettings and ControlSettings and intrinsic_controls as private parameters, those of
+UsbCamSettings and ControlSettings and intrinsic_controls as private parameters, those of
 CompressionSettings in ~image_raw/compressed.
 """
 import threading
@@ -27,7 +27,7 @@ from img_recog.camera import selection, urls
 from img_recog.camera.controls import SETTINGS
 from img_recog.camera.capture import Capture, Listener
 from img_recog.camera.frame_pacing import Stamps
-from img_recog.camera.settings import CameraSettings, ControlSettings, intrinsic_controls
+from img_recog.camera.usb_cam_settings import UsbCamSettings, ControlSettings, intrinsic_controls
 from img_recog.camera.source import FrameSource
 from img_recog.conversions.compressed_image_msgs import CompressionSettings
 from img_recog.errors import named_in_crashes
@@ -54,12 +54,12 @@ class UsbCam(Listener):
     """
 
     def __init__(self) -> None:
-        self._settings = selection.resolve_auto(parameters.read(CameraSettings))
+        self._settings = selection.resolve_auto(parameters.read(UsbCamSettings))
         self._name = urls.redacted(self._settings.video_device)
         controls = parameters.read(ControlSettings)
         self._controls = CameraControls(
             controls, parameters.read_one('intrinsic_controls', {}, intrinsic_controls))
-        parameters.warn_of_unknown(CameraSettings, ControlSettings, also_known=_FOREIGN_PARAMETERS,
+        parameters.warn_of_unknown(UsbCamSettings, ControlSettings, also_known=_FOREIGN_PARAMETERS,
                                    meant=SETTINGS)
         if self._settings.io_method != 'mmap':
             rospy.loginfo('io_method %s is ignored: OpenCV always uses mmap',
@@ -194,7 +194,7 @@ def main() -> int:
         nodes.append(UsbCam())
         nodes[0].spin()
     code = lifecycle.run('usb_cam', serve, {
-        '~': (CameraSettings, ControlSettings),
+        '~': (UsbCamSettings, ControlSettings),
         '~image_raw/compressed/': (CompressionSettings,)})
     if nodes and nodes[0].is_blocked:
         lifecycle.leave_blocked_threads(code)

@@ -3,15 +3,15 @@ import argparse
 import os
 from typing import Sequence
 
-from img_recog.camera.settings import CameraSettings
+from img_recog.camera.usb_cam_settings import UsbCamSettings
 from img_recog.command_line import programs
 from img_recog.command_line.option_types import allowed
 from img_recog.errors import UserError
 from img_recog.formats import still_images
 from img_recog.loading import resources
-from img_recog.recordings import names
+from img_recog.recordings import recording_names
 from img_recog.settings import SettingError
-from img_recog.simulation.settings import SpawnSettings
+from img_recog.simulation.simulation_settings import SpawnSettings
 
 _MAX_SECONDS = 1e6
 
@@ -72,8 +72,8 @@ def _parser() -> argparse.ArgumentParser:
                         'which moves by what it sees')
     parser.add_argument('--seconds', type=float, default=60.0,
                         help='simulated time with --camera (default: %(default)s)')
-    names.add_topic(parser)
-    parser.add_argument('--framerate', metavar='HZ', default=CameraSettings.framerate,
+    recording_names.add_topic(parser)
+    parser.add_argument('--framerate', metavar='HZ', default=UsbCamSettings.framerate,
                         type=allowed(float, lambda rate_hz: 0.1 <= rate_hz <= 1000,
                                      'from 0.1 to 1000'),
                         help='of a folder of pictures (default: %(default)g)')

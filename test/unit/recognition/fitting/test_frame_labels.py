@@ -5,8 +5,8 @@ import pytest
 from PIL import Image
 
 from img_recog.recognition.fitting import sample_file
+from img_recog.recognition.fitting.frame_labels import Labeler
 from img_recog.recognition.fitting.histograms import COLOR, IN_VIEW, NOT, Label
-from img_recog.recognition.fitting.labels import Labeler
 from img_recog.recognition.fitting.samples import SampleError
 
 SHAPE = 10, 20

@@ -12,7 +12,7 @@ from visualization_msgs.msg import MarkerArray
 from img_recog.conversions import color_detection_msgs, plane_msgs, twist_msgs
 from img_recog.conversions.plane_msgs import MAX_NUMBER
 from img_recog.errors import UserError, shortened
-from img_recog.recognition.settings import Color
+from img_recog.recognition.recognition_settings import Color
 from img_recog.recordings.bag_file import BagFile
 from img_recog.replay.bag_messages import Messages
 from img_recog.replay.plot_data import PlotColor, PlotData, X, Y
@@ -23,7 +23,7 @@ _JUMP_M = 0.5           # between two positions that follow one another: the rob
 _HUE_STEP = 50          # between colors of which only the names are known
 
 
-class Drive:
+class RecordedDrive:
     """Collects what one robot of a bag has done. others: what is not shown, '' for nothing."""
 
     def __init__(self, path: str, bag: BagFile, odometry: str):

@@ -6,7 +6,7 @@ import sys
 
 import pytest
 
-from img_recog.graph import cli
+from img_recog.graph import graph_job
 from img_recog.graph.system import Edge, System
 
 SYSTEM = System(frozenset(['/a', '/b', '/rosout']), frozenset([
@@ -23,11 +23,11 @@ def draw(monkeypatch, tmp_path, capsys, handlers_as_before):
         def read(self):
             reads.append(1)
             return SYSTEM._replace(rates_hz={Edge('/a', '/t', True): 10.0 * len(reads)})
-    monkeypatch.setattr(cli, 'SystemReader', Reader)
+    monkeypatch.setattr(graph_job, 'SystemReader', Reader)
     monkeypatch.setenv('PWD', str(tmp_path))
 
     def run(*arguments):
-        code = cli.main([*arguments])
+        code = graph_job.main([*arguments])
         path = tmp_path / 'out.dot'
         return code, path.read_text() if path.exists() else '', capsys.readouterr()
     return run
@@ -60,7 +60,7 @@ def test_options_that_are_refused(draw, capsys, arguments, words):
 
 def test_a_path_that_cannot_be_written(draw, tmp_path):
     (tmp_path / 'out.dot').mkdir()
-    code = cli.main(['out.dot', '--seconds', '0'])
+    code = graph_job.main(['out.dot', '--seconds', '0'])
     assert code == 1
 
 
@@ -69,17 +69,17 @@ def test_a_path_that_cannot_be_written(draw, tmp_path):
     ('junk', "ROS_MASTER_URI is 'junk', expected http://HOST:PORT; set it to ")])
 def test_without_a_master(monkeypatch, caplog, handlers_as_before, uri, problem):
     monkeypatch.setenv('ROS_MASTER_URI', uri)
-    assert cli.main(['out.svg']) == 1
+    assert graph_job.main(['out.svg']) == 1
     assert caplog.messages[0].startswith(problem)
 
 
 # a signal arrives while the file is written
 INTERRUPTED = """
 import contextlib, signal, sys
-from img_recog.graph import cli
+from img_recog.graph import graph_job
 from img_recog.graph.system import System
 signal.signal(signal.SIGINT, signal.SIG_DFL)        # as the script does
-write = cli.files.atomic_write
+write = graph_job.files.atomic_write
 
 class Reader:
     def read(self):
@@ -91,8 +91,8 @@ def atomic_write(*arguments):
         signal.raise_signal(int(sys.argv[1]))
         yield outputs
 
-cli.SystemReader, cli.files.atomic_write = Reader, atomic_write
-sys.exit(cli.main(['out.dot', '--seconds', '0']))
+graph_job.SystemReader, graph_job.files.atomic_write = Reader, atomic_write
+sys.exit(graph_job.main(['out.dot', '--seconds', '0']))
 """
 
 

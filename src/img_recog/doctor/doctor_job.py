@@ -6,9 +6,9 @@ from typing import Callable, Iterator, List, Optional, Sequence
 from img_recog.command_line import programs
 from img_recog.command_line.messages import message
 from img_recog.doctor import machine, running_system
-from img_recog.doctor.machine import Finding
+from img_recog.doctor.machine import Fault
 
-Check = Callable[[], Iterator[Finding]]
+Check = Callable[[], Iterator[Fault]]
 
 
 def main(arguments: Optional[Sequence[str]] = None) -> int:

@@ -29,7 +29,7 @@ _CAMERA_NAME = Allowed('a name without / and control characters',
 
 
 @dataclass(frozen=True)
-class CameraSettings(Settings):
+class UsbCamSettings(Settings):
     """Parameters of a frame source.
 
     video_device: a V4L2 device, the path of a video, image or folder of images, the URL of a

@@ -11,7 +11,7 @@ from img_recog.rendering.server import Picture, Shot
 from img_recog.ros.transport.image_publisher import ImagePublisher
 from img_recog.simulation.pictures import view
 from img_recog.simulation.pictures.view import Viewpoint
-from img_recog.simulation.settings import ViewSettings
+from img_recog.simulation.simulation_settings import ViewSettings
 from img_recog.simulation.simulator import Simulator
 
 _FRAME = 'view'                 # not a frame of tf: the camera is not part of the robot

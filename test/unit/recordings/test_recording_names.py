@@ -11,7 +11,7 @@ import rosbag
 from std_msgs.msg import String
 
 from img_recog.errors import UserError
-from img_recog.recordings.names import expand, is_bag
+from img_recog.recordings.recording_names import expand, is_bag
 
 RAW = 'h264', 'hevc', 'm4v', 'mjpeg'       # films without a container
 FILMS = ('3gp', 'asf', 'avi', 'f4v', 'flv', 'gif', 'm2ts', 'mkv', 'mov', 'mp4', 'mpg', 'mts',
