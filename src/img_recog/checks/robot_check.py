@@ -117,14 +117,24 @@ def _drive(robot: RobotSpec) -> Iterator[CheckRow]:
         if field.name in _OF_WHEELS and not drive.left_joints:
             continue
         value = getattr(drive, field.name)
-        text = ('{:g}' if isinstance(value, float) else '{}').format(value) + _UNITS.get(
-            field.name, '')
+        text = _text(value) + _UNITS.get(field.name, '')
         if field.name in robot.tag_values or (field.name == 'drive' and is_given):
             yield CheckRow(SIMULATED, field.name, text, 'plugin or controller')
         elif measured.get(field.name) == value:
             yield CheckRow(SIMULATED, field.name, text, 'shapes of the wheels')
         elif field.name in _UNITS:
             yield CheckRow(ASSUMED, field.name, text, 'default')
+
+
+def _text(value: Any) -> str:
+    """Return a value as parameters of ROS have it.
+
+    >>> _text(False), _text(1e6)
+    ('false', '1e+06')
+    """
+    if isinstance(value, bool):
+        return str(value).lower()
+    return '{:g}'.format(value) if isinstance(value, float) else str(value)
 
 
 def _sensors(robot: RobotSpec, vehicle: Vehicle) -> Iterator[CheckRow]:

@@ -35,8 +35,11 @@ def check(path: str, allow_partial: bool = False) -> CheckReport:
 
 def _models(world: World, seen: Looks) -> Iterator[CheckRow]:
     for tree, body, box in zip(world.file.trees, world.bodies, seen.boxes):
-        yield CheckRow(SIMULATED, 'model ' + tree.name, '{}, {}'.format(
-            'static' if tree.fixed else '{:.4g} kg'.format(body.mass()), size(box)))
+        how = '{:.4g} kg'.format(body.mass())
+        if tree.fixed:      # what is static has no inertia
+            mass = sum(link.inertia.mass for link in tree.model.links if link.inertia)
+            how = '{:.4g} kg, joined to the world'.format(mass) if mass else 'static'
+        yield CheckRow(SIMULATED, 'model ' + tree.name, '{}, {}'.format(how, size(box)))
     boxes = [box for box in seen.boxes if box is not None]
     if boxes:
         yield CheckRow(SIMULATED, 'models', '{}, {}'.format(

@@ -15,6 +15,10 @@ PAINTED = ('<model name="wall"><static>1</static><link name="l">'
                         '1 2 3') + '</link></model>')
 
 
+JOINED = ('<model name="pole"><link name="l"><inertial><mass>2</mass></inertial></link>'
+          '<joint name="j" type="fixed"><parent>world</parent><child>l</child></joint></model>')
+HINGED = JOINED.replace('pole', 'door').replace('"fixed"', '"revolute"').replace(
+    '</child>', '</child><axis><xyz>0 0 1</xyz></axis>')
 VISIBLE = SHELF.replace('</link>', BOX.format('visual', '', '0.8 0.8 0.2') + '</link>')
 TRIANGLE = ('mtllib a.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nusemtl m\n'
             'f 1/1 2/1 3/1\n')
@@ -22,6 +26,7 @@ MATERIAL = 'newmtl m\nKd 1 1 1\n'
 # models, and files beside the world
 CASES = {
     'models': ((VISIBLE, CRATE.format('3 0 0.1 0 0 0'), BUILT_IN, LAMP), {}),
+    'joined': ((JOINED, HINGED), {}),
     'left out': ((SHELF, CHAIR, MESH.format('lost.dae')), {}),
     'not drawn': ((MESH.format('a.obj'), PAINTED), {'a.obj': 'o nothing\n'}),
     'texture': ((MESH.format('a.obj'),), {'a.obj': TRIANGLE, 'a.mtl': MATERIAL}),
