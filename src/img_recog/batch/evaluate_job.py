@@ -5,23 +5,20 @@ import functools
 import logging
 import os
 import re
-from typing import Any, Callable, Dict, List, Sequence
+from typing import Callable, Dict, List, Sequence
 
 from img_recog import files
-from img_recog.batch import evaluate_report, evaluation, inputs, labels, options, recorded
-from img_recog.batch.engine import Engine, Results
-from img_recog.batch.evaluation import ColorSet, Evaluated, Measured, Truth
+from img_recog.batch import evaluate_report, evaluation, labels, options, recorded
+from img_recog.batch.engine import Engine
+from img_recog.batch.evaluation import ColorSet, Measured, Truth, evaluated
 from img_recog.batch.work import Piece
 from img_recog.command_line import programs
 from img_recog.command_line import results
 from img_recog.errors import UserError, counted, one_line, shortened, suggestion
-from img_recog.loading import resources
 from img_recog.processes.signals import Interrupts
 from img_recog.recognition import parameter_file
 from img_recog.recordings import recording_names
 from img_recog.recordings.frames import Remarks
-from img_recog.replay import replay_options
-from img_recog.simulation.simulation_settings import SpawnSettings
 
 _TRUTH = 'recording', 'frame', 'color', 'in_view'
 _log = logging.getLogger('evaluate.py')
@@ -44,8 +41,7 @@ def _main(words: Sequence[str], interrupts: Interrupts) -> str:
     with Engine(where, interrupts, re.sub(r'\.csv$', '', paths[0]), _log) as engine:
         measured = _measured(engine, named, sets, given.topic, given.max_image_pixels)
         said = recorded.said({name: [each.remarks] for name, each in measured.items()}, _log)
-        world = replay_options.world_name(given.world) if given.world else ''
-        found = _driven(engine, measured, sets, world)
+        found = [evaluated(name, each, sets) for name, each in measured.items()]
         with files.atomic_write(paths) as opened:
             results.write_report(
                 opened, evaluate_report.table(sets, found),
@@ -69,25 +65,10 @@ def _measured(engine: Engine, named: Dict[str, str], sets: Sequence[ColorSet], t
     measured = engine.run(evaluation.measure, [
         Piece(piece.key, (part, max_pixels), (*piece.files, *(each.path for each in sets)),
               part.frames) for piece, found in divided for part in found.parts], ' frames')
-    return {name: found[0].joined(found[1:]) for name, found in _grouped(measured).items()}
-
-
-def _driven(engine: Engine, measured: Dict[str, Measured], sets: Sequence[ColorSet],
-            world: str) -> List[Evaluated]:
-    scene = inputs.of_scene(world, resources.burger()) if world else ''
-    driven = engine.run(evaluation.drive, [
-        Piece(name, (each, number, world, SpawnSettings()),
-              (colors.path, *([world] if os.path.isabs(world) else [])), depends=scene)
-        for name, each in measured.items() for number, colors in enumerate(sets)], ' drives')
-    return [Evaluated(name, measured[name], found) for name, found in _grouped(driven).items()]
-
-
-def _grouped(found: Results) -> Dict[str, List[Any]]:
-    """Return results by recording."""
-    grouped: Dict[str, List[Any]] = {}
-    for piece, value in found:
-        grouped.setdefault(piece.key, []).append(value)
-    return grouped
+    grouped: Dict[str, List[Measured]] = {}
+    for piece, found in measured:
+        grouped.setdefault(piece.key, []).append(found)
+    return {name: parts[0].joined(parts[1:]) for name, parts in grouped.items()}
 
 
 def _named(paths: Sequence[str], forms: Callable[[str], List[str]]) -> Dict[str, str]:
@@ -135,15 +116,12 @@ def _read_truth(path: str, named: Dict[str, str], sets: Sequence[ColorSet]) -> T
 def _parser() -> argparse.ArgumentParser:
     parser = programs.parser(
         'evaluate.py', 'Measure recordings with several sets of colors; write '
-        'areas, commands and the path of the simulated robot side by side as a table (CSV), a '
-        'report and a picture.')
+        'areas and commands side by side as a table (CSV), a report and a picture.')
     recording_names.add_to(parser)
     parser.add_argument('--colors', required=True, nargs='+', metavar='YAML',
                         help='parameter files of color_extract')
     parser.add_argument('--truth', default='', metavar='CSV',
                         help='which colors are in view: columns recording, frame, color, in_view')
-    parser.add_argument('--world', default='',
-                        help='also simulate the robot, in this world as for replay.py')
     parser.add_argument('--output', default='', metavar='FOLDER_OR_PREFIX',
                         help='where to write the files (default: NAME.evaluated.csv, .md and .png '
                         'in the current folder, of the first recording)')

@@ -68,23 +68,22 @@ def markdown(title: str, sweep: Sweep, ended: Sequence[Ended], films: Sequence[T
     command: how the sweep was started, without its options.
     """
     lines = ['# ' + title, '', '{}, of which {} have succeeded: {}.'.format(
-        counted(len(ended), 'run'), sum(each.is_success for each in ended), _rate(ended)), '']
+        counted(len(ended), 'run'), sum(each.is_success for each in ended), _rate(ended))]
     rows, columns = _cells(sweep)
-    if rows:
-        lines += ['Success rate, with its 95 % confidence interval (Wilson):', '']
-        lines += results.markdown_table([' / '.join(sweep.cells), *columns], [
-            [row, *(_rate(_in(sweep, ended, row, column)) for column in columns)]
-            for row in rows])
-        lines += ['', 'How the runs have ended:', '']
-        lines += results.markdown_table([sweep.cells[0], *_REASONS], [
-            [row, *(str(sum(each.reason == reason for each in ended
-                            if each.run.labels[sweep.cells[0]] == row)) for reason in _REASONS)]
-            for row in rows])
-    lines += ['', 'The worst runs:', '']
-    lines += results.markdown_table(['run', 'ended by', 'distance', 'time', 'film', 'again'], [
-        [each.run.key, each.reason, '{:.2f} m'.format(each.outcome.value.distance_m),
-         '{:.1f} s'.format(each.outcome.value.time_s), name,
-         '`{} --only {}`'.format(command, shlex.quote(each.run.key))] for each, name in films])
+    lines += results.markdown_part(
+        'Success rate, with its 95 % confidence interval (Wilson):',
+        [' / '.join(sweep.cells), *columns],
+        [[row, *(_rate(_in(sweep, ended, row, column)) for column in columns)] for row in rows])
+    lines += results.markdown_part(
+        'How the runs have ended:', [*sweep.cells[:1], *_REASONS],
+        [[row, *(str(sum(each.reason == reason for each in ended
+                         if each.run.labels[sweep.cells[0]] == row)) for reason in _REASONS)]
+         for row in rows])
+    lines += results.markdown_part(
+        'The worst runs:', ['run', 'ended by', 'distance', 'time', 'film', 'again'],
+        [[each.run.key, each.reason, '{:.2f} m'.format(each.outcome.value.distance_m),
+          '{:.1f} s'.format(each.outcome.value.time_s), name,
+          '`{} --only {}`'.format(command, shlex.quote(each.run.key))] for each, name in films])
     failed = [each for each in ended if each.outcome.problem]
     if failed:
         lines += ['', 'Without a result: {}'.format(counted(len(failed), 'run')), '']

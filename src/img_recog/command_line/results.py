@@ -44,6 +44,12 @@ def markdown_table(head: Sequence[str], rows: Iterable[Sequence[str]]) -> List[s
     return ['| {} |'.format(' | '.join(row)) for row in (head, ['---'] * len(head), *rows)]
 
 
+def markdown_part(text: str, head: Sequence[str], rows: Iterable[Sequence[str]]) -> List[str]:
+    """Return the lines of a table below a line of text; none for a table without rows."""
+    rows = list(rows)
+    return ['', text, '', *markdown_table(head, rows)] if rows else []
+
+
 def report_extensions() -> Tuple[str, ...]:
     """Return the types of files that `write_report` writes.
 

@@ -16,7 +16,6 @@ from img_recog.conversions import image_msgs
 from img_recog.recognition import parameter_file
 from img_recog.recognition.areas import ColorExtractor
 from img_recog.recordings.films import FilmFrames
-from img_recog.replay import job
 from img_recog_helpers import expected
 
 GREEN, FRAMES = (0, 200, 0), 8
@@ -70,18 +69,6 @@ def test_areas_and_commands_of_each_set(folder, monkeypatch, capsys):
     assert not [name for name in os.listdir(str(folder)) if 'work' in name]
 
 
-def test_the_path_is_that_of_replay(folder, monkeypatch):
-    assert run(monkeypatch, 'film.avi', '--colors', 'low.yaml', '--world', 'empty') == 0
-    monkeypatch.setattr(sys, 'argv', ['replay.py', 'film.avi', '--colors', 'low.yaml', '--world',
-                                      'empty', '--no-teleop'])
-    assert job.main(0.0) == 0
-    poses = [[float(row[name]) for name in ('x_m', 'y_m', 'yaw_rad')] for row in rows()]
-    assert poses == pytest.approx(np.array([
-        [float(row[name]) for name in ('x_m', 'y_m', 'yaw_rad')]
-        for row in rows('film.replay.csv')]), abs=2e-6)
-    assert poses[-1][0] > -2.0 + 0.02
-
-
 def test_truth_gives_precision_and_recall(folder, monkeypatch):
     lines = ['recording,frame,color,in_view'] + [
         'film.avi,{},green,{}'.format(frame, int(frame in (3, 4, 5))) for frame in range(1, 7)]
@@ -102,6 +89,16 @@ def test_a_broken_recording_is_named_and_the_others_count(folder, monkeypatch, c
     assert '- broken.avi: cannot ' in (folder / 'film.evaluated.md').read_text()
 
 
+@pytest.mark.parametrize('name, arguments, code', [
+    ('same commands', ('film.avi', '--colors', 'low.yaml', 'same.yaml'), 0),
+    ('no recording', ('broken.avi', '--colors', 'low.yaml'), 1)])
+def test_a_report_has_no_table_without_rows(folder, monkeypatch, name, arguments, code):
+    (folder / 'same.yaml').write_text(WIDE)
+    assert run(monkeypatch, *arguments, '--output', 'it') == code
+    text = (folder / 'it.md').read_text().replace(str(folder), 'FOLDER')
+    expected.check_printed('evaluate/{}.md'.format(name.replace(' ', '_')), text)
+
+
 def write_bag(path, usable):
     """Write an image of 64x48 for each number, of which those that are not `usable` are short."""
     with rosbag.Bag(str(path), 'w') as bag:
@@ -111,12 +108,11 @@ def write_bag(path, usable):
             bag.write('/eye', msg, genpy.Time(5 + number))
 
 
-@pytest.mark.parametrize('world', [(), ('--world', 'empty')])
 def test_a_recording_without_a_usable_image_is_named_and_the_others_count(
-        folder, monkeypatch, capsys, caplog, world):
+        folder, monkeypatch, capsys, caplog):
     write_bag(folder / 'good.bag', 8 * [True])
     write_bag(folder / 'bad.bag', 8 * [False])
-    assert run(monkeypatch, 'good.bag', 'bad.bag', '--colors', 'low.yaml', *world) == 1
+    assert run(monkeypatch, 'good.bag', 'bad.bag', '--colors', 'low.yaml') == 1
     assert capsys.readouterr().out.startswith('1 of 2 recordings, 8 frames')
     assert {row['recording'] for row in rows('good.evaluated.csv')} == {'good.bag'}
     line = 'bad.bag: no image on /eye in {} can be used; message 0: cannot convert '.format(

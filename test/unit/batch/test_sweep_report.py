@@ -5,6 +5,7 @@ from types import SimpleNamespace
 from matplotlib.axes import Axes
 
 from img_recog.batch import sweep_report
+from img_recog.batch.engine import Outcome
 from img_recog.batch.sweep_file import Choice, Range, Run, Success, Sweep, SweepSettings
 from img_recog.batch.sweep_report import Ended
 
@@ -30,3 +31,12 @@ def test_the_picture_is_drawn_by_what_the_matplotlib_of_ubuntu_20_04_has(monkeyp
                                        CHOICES, ('light', 'speed')), ended)
     assert file.getvalue().startswith(b'\x89PNG')
     assert (labels['set_xticklabels'], labels['set_yticklabels']) == (['1', '2'], ['dim', 'lamp'])
+
+
+def test_a_report_has_no_table_without_rows():
+    ended = [Ended(Run('run#1', {}, 1, {}), Outcome('run#1', problem='there is no world'))]
+    text = sweep_report.markdown('a.yaml', Sweep(SweepSettings(), Success(0.5), {}, (), ()),
+                                 ended, [], 'sweep.py a.yaml')
+    assert [line for line in text.splitlines() if line] == [
+        '# a.yaml', '1 run, of which 0 have succeeded: 0 % (0 to 79).',
+        'Without a result: 1 run', '- run#1: there is no world']
