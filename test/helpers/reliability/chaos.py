@@ -5,6 +5,7 @@ import sys
 import time
 from typing import Dict, Iterable, Iterator, List, Optional, Sequence
 
+from img_recog.command_line.results import text_table
 from img_recog_helpers import process_table
 from img_recog_helpers.process_table import Usage
 from img_recog_helpers.reliability import faults, figures
@@ -127,7 +128,8 @@ def report(chaos: Chaos, factor: float) -> str:
     rows = [[kind, *figures.seconds(times_s),
              '{:g}'.format((LIMIT_S if kind in faults.KINDS else STOP_LIMIT_S) * factor)]
             for kind, times_s in sorted(chaos.times_s.items())]
-    return figures.table(['fault', 'count', 'median, s', 'maximum, s', 'limit, s'], rows)
+    return '\n'.join(text_table(
+        [['fault', 'count', 'median, s', 'maximum, s', 'limit, s'], *rows]))
 
 
 def main(words: Optional[Sequence[str]] = None) -> int:

@@ -24,8 +24,6 @@ NODE_LIMIT_S, DEMO_LIMIT_S = 5.0, 12.0      # from the signal until nothing is l
 _MAX_DELAY_S, _MAX_DEMO_DELAY_S = 3.0, 8.0
 _DEMO_SHARE = 25                            # one of so many stops is one of the whole demo
 _REPLAY_SHARE = 20                          # one of so many kills is one of replay.py
-_MAX_LATE_S = 0.2           # twice the time for which the recognition waits for an image
-_AT_ONCE = 8
 _SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
 _VIEW = '/gazebo/view/image_raw'
 # scripts, their nodes, what these print when they have started, and their arguments
@@ -190,37 +188,3 @@ def _check_replay(nodes: Nodes) -> None:
     left = [name for name in os.listdir(nodes.folder) if name.startswith('.')]
     assert left == [], left
     assert nodes.temporary_files() == [], nodes.temporary_files()
-
-
-def stop_many(count, seed, deadline_s):
-    """Stop at least `count` recognitions, some at a time; return the longest time, in s."""
-    with Nodes() as nodes:
-        return max(stop_after_the_images(nodes, _AT_ONCE, seed + first, deadline_s)
-                   for first in range(0, count, _AT_ONCE))
-
-
-def stop_after_the_images(ros, count, seed, deadline_s):
-    """Start `count` recognitions; stop the camera, then each of them at a random moment.
-
-    ros: a Ros with a running master; its other nodes may go on.
-    Returns the seconds from the end of the camera to the end of the last recognition. Raises
-    AssertionError when one does not end within `deadline_s`, or not with code 0.
-    """
-    moments = random.Random(seed)
-    camera = ros.start_node('usb_cam_node.py', '_video_device:=synthetic')
-    nodes = [ros.start_node('color_img_recog.py',
-                            '__name:=color_extract_{}'.format(number)) for number in range(count)]
-    camera.wait_output('camera: ')
-    for node in nodes:
-        node.wait_output('blue=')
-    assert camera.interrupt() == 0, camera.output
-    begin_s = time.monotonic()
-    for delay_s, node in sorted(((moments.uniform(0, _MAX_LATE_S), node) for node in nodes),
-                                key=lambda pair: pair[0]):
-        time.sleep(max(0.0, begin_s + delay_s - time.monotonic()))
-        node.send_signal(signal.SIGINT)
-    for node in nodes:
-        wait_for(lambda: not node.is_running(), lambda: 'the end of a recognition, seed {}:\n{}'
-                 .format(seed, node.output), deadline_s)
-        assert node.wait() == 0, node.output
-    return time.monotonic() - begin_s

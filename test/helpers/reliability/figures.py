@@ -1,16 +1,6 @@
-"""Tables of what was measured, as Markdown."""
+"""What is said of several times that were measured."""
 import statistics
-from typing import Iterable, List, Sequence
-
-
-def table(head: Sequence[str], rows: Iterable[Sequence[object]]) -> str:
-    """Return a Markdown table with columns of even width."""
-    cells = [list(map(str, head))] + [list(map(str, row)) for row in rows]
-    widths = [max(len(row[column]) for row in cells) for column in range(len(head))]
-    lines = ['| {} |'.format(' | '.join(cell.ljust(width) for cell, width in zip(row, widths)))
-             for row in cells]
-    lines.insert(1, '|{}|'.format('|'.join('-' * (width + 2) for width in widths)))
-    return '\n'.join(lines)
+from typing import List
 
 
 def seconds(values: List[float]) -> List[str]:

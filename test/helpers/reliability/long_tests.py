@@ -3,7 +3,6 @@
 Each part runs in a process of its own. The soak runs beside the others, if it is selected.
 """
 import argparse
-import os
 import random
 import sys
 import time
@@ -13,7 +12,7 @@ from concurrent.futures.process import BrokenProcessPool
 from multiprocessing import get_context
 from typing import List, Optional, Sequence, Tuple
 
-from img_recog_helpers.reliability import figures
+from img_recog.command_line.results import text_table
 from img_recog_helpers.reliability.parts import PARTS, Options, Row
 from img_recog_helpers.signals import handle_ignored_signals
 
@@ -58,10 +57,8 @@ def main(words: Optional[Sequence[str]] = None) -> int:
     parser.add_argument('parts', nargs='*', metavar='PART',
                         help='{} (default: all)'.format(', '.join(PARTS)))
     parser.add_argument('--seed', type=int, help='repeat what this seed has done')
-    parser.add_argument('--scale', type=float,
-                        default=float(os.environ.get('IMG_RECOG_LONG_SCALE', '1')),
-                        help='share of the full length, for a short trial '
-                        '(default: IMG_RECOG_LONG_SCALE, or 1)')
+    parser.add_argument('--scale', type=float, default=1.0,
+                        help='share of the full length, for a short trial (default: 1)')
     parser.add_argument('--factor', type=float, default=1.0,
                         help='multiply all time limits, for a busy machine (default: 1)')
     parser.add_argument('--side-by-side', type=int, default=8, metavar='N',
@@ -81,8 +78,8 @@ def main(words: Optional[Sequence[str]] = None) -> int:
         results = {name: in_process(name, options) for name in names if name != _ALONGSIDE}
         results.update({_ALONGSIDE: each.result() for each in soak})
     failed = [name for name in names if results[name][1]]
-    say('\n{}\n'.format(figures.table(['test', 'result', 'limit'], [
-        row for name in names for row in results[name][0]])))
+    say('\n{}\n'.format('\n'.join(text_table([
+        ('test', 'result', 'limit'), *(row for name in names for row in results[name][0])]))))
     say('{} after {:.0f} min, seed {}'.format(
         'FAILED: ' + ', '.join(failed) if failed else 'passed', (time.monotonic() - begin) / 60,
         seed))

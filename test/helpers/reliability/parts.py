@@ -9,18 +9,18 @@ from typing import Callable, Dict, List, NamedTuple, Optional, Sequence, Tuple
 
 from img_recog_helpers import lockstep
 from img_recog_helpers.processes import Process
-from img_recog_helpers.reliability import (endings, figures, files, images, siege, soak,
-                                           surroundings, twists)
+from img_recog_helpers.reliability import (endings, figures, files, images, soak, surroundings,
+                                           twists)
 from img_recog_helpers.reliability.nodes import Nodes
 
 # at full length
 TWISTS, WIRE_TWISTS = 1000000, 60000
 IMAGES, WIRE_IMAGES = 100000, 10000
-STOPS, STOPS_WITHOUT_IMAGES, KILLS = 500, 200, 300
+STOPS, KILLS = 500, 300
 SOAK_S = 1800.0
 LOCKSTEP_RUNS, LOCKSTEP_IMAGES = 100, 100
-CLOCK_JUMPS, FULL_DISK_S, SILENT_CONNECTIONS = 60, 60.0, 100
-PAGE_S, FILES = 300.0, 3000
+CLOCK_JUMPS, FULL_DISK_S = 60, 60.0
+FILES = 3000
 
 # how results are printed that are not counts
 _FORMATS = {'max_s': 'longest {:.2f} s', 'rss_growth_mb': 'memory {:+d} MB'}
@@ -104,14 +104,6 @@ def run_stops(options: Options) -> List[Row]:
     return _endings(options, endings.draw_stop, STOPS, 'stops')
 
 
-def run_stops_without_images(options: Options) -> List[Row]:
-    """SIGINT to recognitions whose images have just stopped."""
-    count, limit_s = options.count(STOPS_WITHOUT_IMAGES), 30.0 * options.factor
-    longest_s = endings.stop_many(count, options.seed, limit_s)
-    return [('{} stops of color_img_recog.py after the last image'.format(count),
-             'maximum {:.2f} s'.format(longest_s), '{:g} s'.format(limit_s))]
-
-
 def run_kills(options: Options) -> List[Row]:
     """SIGKILL at random moments of start and run."""
     return _endings(options, endings.draw_kill, KILLS, 'kills')
@@ -133,21 +125,6 @@ def run_disk(options: Options) -> List[Row]:
              '{tracebacks} tracebacks, {lines} lines; the chain took {max_s:.2f} s'.format(
                  **result),
              '3 tracebacks, 40 lines')]
-
-
-def run_silent(options: Options) -> List[Row]:
-    """Connections that never read, to each node."""
-    count = max(10, options.count(SILENT_CONNECTIONS))
-    result = surroundings.silent_connections(count, options.factor)
-    return [('{} connections per node that never read'.format(count),
-             'the chain took {max_s:.2f} s, {rss_growth_mb:+d} MB'.format(**result), '5 s')]
-
-
-def run_page(options: Options) -> List[Row]:
-    """Hostile requests and WebSockets to the page, and no descriptors left."""
-    duration_s = PAGE_S * options.scale
-    result = siege.page(duration_s, options.seed, options.factor)
-    return [('{:g} s of attacks on the page'.format(duration_s), _words(result), '100 MB each')]
 
 
 def run_files(options: Options) -> List[Row]:
@@ -195,6 +172,5 @@ def _lockstep_row(options: Options, kind: str, run: Callable[[Nodes, str], List]
 
 PARTS: Dict[str, Callable[[Options], List[Row]]] = {
     'soak': run_soak, 'twists': run_twists, 'images': run_images, 'stops': run_stops,
-    'stops_without_images': run_stops_without_images, 'kills': run_kills, 'clock': run_clock,
-    'disk': run_disk, 'silent': run_silent,
-    'page': run_page, 'files': run_files, 'lockstep': run_lockstep}
+    'kills': run_kills, 'clock': run_clock, 'disk': run_disk, 'files': run_files,
+    'lockstep': run_lockstep}

@@ -1,4 +1,4 @@
-"""What happens around the nodes: time that jumps, a full disk, connections that never read."""
+"""What happens around the nodes: time that jumps, and a full disk."""
 import contextlib
 import os
 import random
@@ -15,15 +15,11 @@ from img_recog_helpers import wire
 from img_recog_helpers.reliability import chain, faults
 from img_recog_helpers.reliability import demo as demos
 from img_recog_helpers.reliability.demo import LIMIT_S, START_LIMIT_S, Demo
-from img_recog_helpers.reliability.faults import Fault
 from img_recog_helpers.reliability.nodes import Nodes
-from img_recog_helpers.waiting import wait_for
 
 _DISK_KB = 1024
 _MAX_CLOCK_S = 4294967295.0       # of a time in ROS 1
 _MAX_TRACEBACKS, _MAX_OUTPUT_LINES = 3, 40      # of all nodes, about the full disk
-_SETTLE_S = 30.0
-_EXTRA = {'threads': 4, 'descriptors': 4}       # of connections to the master and the like
 
 
 def clock_jumps(count: int, seed: int, nodes: Nodes, factor: float = 1.0) -> List[float]:
@@ -121,20 +117,3 @@ def full_disk(duration_s: float, factor: float = 1.0) -> Dict[str, float]:
     """Run a demo, fill its disk; return how the chain works and what is printed."""
     with SmallDisk() as disk, demos.running(factor, ROS_LOG_DIR=disk.path) as demo:
         return endure_full_disk(demo, disk, duration_s, factor)
-
-
-def silent_connections(count: int, factor: float = 1.0) -> Dict[str, float]:
-    """Open connections that never read to each node; return the slowest answer of the chain."""
-    slowest_s = 0.0
-    with demos.running(factor) as demo:
-        before = demo.usage()
-        with contextlib.ExitStack() as opened:
-            for node in faults.OURS:
-                opened.enter_context(faults.readers(demo, Fault('readers', node, (count,))))
-            for _ in range(3):
-                slowest_s = max(slowest_s, demo.chain.wait(LIMIT_S * factor).recovered_s)
-            during = demo.usage()
-        wait_for(lambda: not demos.problems(before, demo.usage(), _EXTRA),
-                 lambda: demos.problems(before, demo.usage(), _EXTRA), _SETTLE_S * factor)
-    return {'max_s': slowest_s, 'rss_growth_mb': round(max(
-        during[name].rss_mb - before[name].rss_mb for name in faults.OURS))}
