@@ -4,10 +4,12 @@
 usage: ./run shell python3 tools/generated_pages.py
 
 That is all of doc/launch.md, from the launch files; all of doc/elements.md, from the table of
-elements; and in doc/reference.md, of each parameter of a node, its name, default and allowed
-values, from its settings. What a parameter means is written by hand, and stays; a new one is added
-below the others of its node, without a meaning.
+elements; and in doc/reference.md, of each parameter of a node, its default and allowed values, from
+its settings. What a parameter means is written by hand, and stays; a new one is added below the
+others of its node, without a meaning. Names that are written in one row stay there, as long as the
+same values are allowed.
 """
+import collections
 import dataclasses
 import os
 import re
@@ -34,12 +36,12 @@ from img_recog.teleoperation.teleop_settings import TeleopSettings, VelocityLimi
 ROOT = os.path.normpath(os.path.join(os.path.dirname(os.path.abspath(__file__)), '..'))
 _LAUNCH = """# Launch files
 
-The arguments of each launch file in `launch/`. `./run demo --help` lists those of the demo, or
-without `./run`, `roslaunch --ros-args img_recog demo.launch`. `demo.launch` starts the parts below
-it and hands its arguments to them; on the command line, it takes those of the parts too
-(`./run demo web_port:=8090`). A launch file of your own that includes it and sets an argument of a
-part needs `<include ... pass_all_args="true">`. Each part works alone:
-`roslaunch img_recog simulator.launch`. This page is written by `tools/generated_pages.py`.
+`demo.launch` includes the other files, but for `robot.launch` and `machines.launch`, and hands its
+arguments to them. On the command line, it takes theirs too (`./run demo web_port:=8090`). A launch
+file of your own that includes it and sets an argument of another file needs
+`<include ... pass_all_args="true">`. Each file works alone: `roslaunch img_recog camera.launch`.
+`./run demo --help` lists the arguments of the demo, or without `./run`,
+`roslaunch --ros-args img_recog demo.launch`. This page is written by `tools/generated_pages.py`.
 """
 _ELEMENTS = """# Elements of robots and worlds
 
@@ -48,7 +50,8 @@ What becomes of each element of SDF (1.4 to 1.9) and of URDF with `<gazebo>` tag
 misspelt, and what is in no row. An element with `=` is only named if it has another value than
 that. This page is written by `tools/generated_pages.py`.
 """
-_ROW = re.compile(r'\| `(\w+)` \|(?:[^|]*\|){2}(.*)')
+_ROW = re.compile(r'\| (`\w+`(?:, `\w+`)*) \|(?:[^|]*\|){2}(.*)')
+_DEMO = 'The whole system of the article.'
 _Settings = Any         # a class of settings
 
 
@@ -91,43 +94,75 @@ def _text(lines: Iterable[str]) -> str:
 
 
 def _launch_arguments() -> Iterator[str]:
+    """Yield a table of the files, and one of all arguments: what differs by file has more rows."""
     folder = os.path.join(ROOT, 'launch')
     roots = launch_files.with_parts(os.path.join(folder, 'demo.launch'))
-    for name in (*roots, 'robot.launch', 'machines.launch'):
-        root = roots.get(name) or launch_files.read(os.path.join(folder, name))
-        yield from ('', '## ' + name, '')
-        if name != 'demo.launch':
-            yield from (launch_files.head(root), '')
-        yield from ('| argument | default | meaning |', '|---|---|---|')
-        for each in launch_files.arguments(root).values():
-            default = {None: 'required', '': 'empty'}.get(
-                each.default, '`{}`'.format(each.default))
-            yield '| `{}` | {} | {} |'.format(each.name, default, each.doc)
+    for name in ('robot.launch', 'machines.launch'):
+        roots[name] = launch_files.read(os.path.join(folder, name))
+    files: Dict[launch_files.Argument, List[str]] = {}
+    yield from ('', '## Files', '', '| file | what it starts | arguments |', '|---|---|---|')
+    for name, root in roots.items():
+        taken = launch_files.arguments(root)
+        for each in taken.values():
+            files.setdefault(each._replace(group=''), []).append(name)
+        yield '| `{}` | {} | {} |'.format(
+            name, _DEMO if name == 'demo.launch' else launch_files.head(root),
+            _words(' '.join(taken)))
+    yield from ('', '## Arguments', '', '| argument | default | meaning |', '|---|---|---|')
+    counts = collections.Counter(each.name for each in files)
+    for each, names in sorted(files.items(), key=lambda item: item[0].name):
+        default = {None: 'required', '': 'empty'}.get(each.default, '`{}`'.format(each.default))
+        place = 'in {}: '.format(_words(' '.join(names))) if counts[each.name] > 1 else ''
+        yield '| `{}` | {} | {}{} |'.format(each.name, default, place, each.doc)
 
 
 def _elements() -> Iterator[str]:
-    for title, table in (('SDF', elements.SDF), ('URDF', elements.URDF)):
+    both = {path: row for path, row in elements.SDF.items() if elements.URDF.get(path) == row}
+    for title, table in (('SDF and URDF', both), ('SDF', elements.SDF), ('URDF', elements.URDF)):
+        places: Dict[str, List[str]] = {}       # which elements have the same row
+        for path, row in table.items():
+            if not row.anything and (table is both or path not in both):
+                places.setdefault('{} | {} | {} |'.format(
+                    _words(row.simulated + ' ' + row.drawn),
+                    _words(row.no_effect) + (' ({})'.format(row.why) if row.why else ''),
+                    _words(row.not_simulated)), []).append(path)
         yield from ('', '## ' + title, '',
                     '| in | simulated or drawn | of no effect here | not simulated |',
                     '|---|---|---|---|')
-        for path, row in table.items():
-            if not row.anything:
-                yield '| `{}` | {} | {} | {} |'.format(
-                    path, _words(row.simulated + ' ' + row.drawn),
-                    _words(row.no_effect) + (' ({})'.format(row.why) if row.why else ''),
-                    _words(row.not_simulated))
+        for cells, paths in places.items():
+            yield '| {} | {}'.format(_words(' '.join(paths)), cells)
 
 
 def _words(text: str) -> str:
     return ' '.join('`{}`'.format(word.rstrip('?')) for word in text.split())
 
 
-def parameters(node: Node) -> Dict[str, str]:
-    """Return the beginning of the row of each parameter of a node, by its name."""
-    return {field.name: '| `{}` | {} | {} |'.format(
+class Parameter(NamedTuple):
+    """What the page says of a parameter, but for its meaning."""
+
+    name: str
+    default: str
+    allowed: str
+
+
+def parameters(node: Node) -> Dict[str, Parameter]:
+    """Return the parameters of a node, by name."""
+    return {field.name: Parameter(
         field.name, _shown(field.default), _allowed(settings, field.name))
         for settings in node.settings for field in dataclasses.fields(settings)
         if 'allowed' in field.metadata}
+
+
+def _rows(of_row: Iterable[Parameter], meaning: str) -> Iterator[str]:
+    """Yield a row of parameters, or one for each kind of allowed values."""
+    by_allowed: Dict[str, List[Parameter]] = {}
+    for each in of_row:
+        by_allowed.setdefault(each.allowed, []).append(each)
+    for allowed, found in by_allowed.items():
+        defaults = [each.default for each in found]
+        yield '| {} | {} | {} |{}'.format(
+            ', '.join('`{}`'.format(each.name) for each in found),
+            ', '.join(defaults if len(set(defaults)) > 1 else defaults[:1]), allowed, meaning)
 
 
 def _shown(value: Any) -> str:
@@ -147,22 +182,24 @@ def _allowed(settings: _Settings, name: str) -> str:
 def with_parameters(lines: Iterable[str]) -> List[str]:
     """Return the lines of the reference with the rows of all parameters as they are to be."""
     found: List[str] = []
-    left: Dict[str, str] = {}       # of the node of this chapter, that have no row yet
+    left: Dict[str, Parameter] = {}     # of the node of this chapter, that have no row yet
     others: Tuple[str, ...] = ()
     end, is_table = 0, False        # where the last table with parameters ends
     for line in [*lines, '## ']:
         if line.startswith('## '):
-            found[end:end] = [row + ' |' for row in left.values()]
+            for each in reversed(list(left.values())):
+                found[end:end] = _rows([each], ' |')
             node = NODES.get(line[3:], Node('', ()))
             left, others, end = parameters(node), node.others, 0
         row = _ROW.match(line) if is_table else None
-        if row and row.group(1) in left:
-            line = '{} {}'.format(left.pop(row.group(1)), row.group(2).strip())
-        elif row and row.group(1) not in others:
-            continue
+        names = row.group(1).strip('`').split('`, `') if row else []
+        if row and not set(names) & set(others):
+            found += _rows([left.pop(name) for name in names if name in left],
+                           ' ' + row.group(2).strip())
+        else:
+            found.append(line)
         is_table = line.startswith('|') and (
             is_table or line.startswith('| name | default | allowed |'))
-        found.append(line)
         if is_table:
             end = len(found)
     return found[:-1]

@@ -20,9 +20,19 @@ CLASSES = {
     'gazebo': (simulation.PhysicsSettings, simulation.ViewSettings, LockstepSettings,
                SteppingSettings, *robot_settings_classes()),
     'turtlebot3_teleop_keyboard': (TeleopSettings,)}
-ROWS = {(node, row[0].strip('`')): row for node in CLASSES
-        for row in rows(read('doc/reference.md'), node, 'name')}
-FIELDS = [pytest.param(settings_class, field, *ROWS[node, field.name][1:3],
+
+
+def parts(cells):
+    """Return name, default and allowed values of each parameter of a row."""
+    names, defaults = cells[0].split(', '), cells[1].split('`, `')
+    if len(defaults) < len(names):      # the row has one for all of them
+        defaults = [cells[1]] * len(names)
+    return [(name.strip('`'), default, cells[2]) for name, default in zip(names, defaults)]
+
+
+ROWS = {(node, name): values for node in CLASSES
+        for row in rows(read('doc/reference.md'), node, 'name') for name, *values in parts(row)}
+FIELDS = [pytest.param(settings_class, field, *ROWS[node, field.name],
                        id='{}-{}'.format(node, field.name))
           for node, classes in CLASSES.items() for settings_class in classes
           for field in setting_fields(settings_class)]
