@@ -4,10 +4,10 @@
 usage: ./run shell python3 tools/generated_pages.py
 
 That is all of doc/launch.md, from the launch files; all of doc/elements.md, from the table of
-elements; and in doc/reference.md, of each parameter of a node, its default and allowed values, from
-its settings. What a parameter means is written by hand, and stays; a new one is added below the
-others of its node, without a meaning. Names that are written in one row stay there, as long as the
-same values are allowed.
+elements; and in doc/reference.md, default and allowed values of each parameter of a node, from its
+settings. What a parameter means is written by hand, and stays; a new one is added below the others
+of its node, without a meaning. Names that are written in one row stay there, as long as the same
+values are allowed.
 """
 import collections
 import dataclasses
