@@ -126,6 +126,10 @@ def test_parameters_of_diff_drive_controller(parameters, wanted):
 
 @pytest.mark.parametrize('parameters, wanted', [
     ({'wheel_radius': float('inf')}, 'wheel_radius: got inf, expected a finite number'),
+    ({'linear': {'x': {'has_velocity_limits': True, 'max_velocity': [1]}}},
+     'linear/x/max_velocity: got [1], expected a finite number'),
+    ({'right_wheel': []},
+     'right_wheel: got [], expected the name of a joint, or a list of names'),
     ({'wheel_separation': 'nan'}, "wheel_separation: got 'nan', expected a finite number"),
     ({'left_wheel': None},
      'left_wheel: got None, expected the name of a joint, or a list of names'),

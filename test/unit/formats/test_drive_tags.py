@@ -7,7 +7,6 @@ from img_recog.simulation.sensors.joint_states import JointStateSettings
 from img_recog.simulation.sensors.odometry import OdometrySettings
 from img_recog.simulation.simulation_settings import DriveSettings
 from img_recog_helpers import parsed
-from img_recog_helpers.refusals import refusal
 from img_recog_helpers.wheeled import assembled, controllers, plugin, robot, source
 
 CORNERS = {'leftFrontJoint': 'left_0_joint', 'leftRearJoint': 'left_1_joint',
@@ -15,8 +14,6 @@ CORNERS = {'leftFrontJoint': 'left_0_joint', 'leftRearJoint': 'left_1_joint',
 CONTROL = plugin('gazebo_ros_control')
 JOINT_STATES = {'type': 'joint_state_controller/JointStateController', 'publish_rate': 20}
 ARM = {'type': 'position_controllers/JointPositionController', 'joint': 'elbow'}
-LIMITS = {'has_velocity_limits': True, 'max_velocity': 1.0, 'min_velocity': -0.5,
-          'has_acceleration_limits': False, 'max_acceleration': 2.0}
 
 
 def values(*elements, given=()):
@@ -67,18 +64,6 @@ def test_bases_that_move_themselves(library, more, wanted):
     assert not differing(found, drive='planar', command_topic='go', odom_frame='map', **wanted)
 
 
-def test_the_names_of_tags_in_ros_2():
-    found = values(plugin('gazebo_ros_diff_drive', left_joint='l', right_joint='r',
-                          wheel_separation='0.3', wheel_diameter='0.2', max_wheel_torque='20',
-                          max_wheel_acceleration='2', odometry_frame='map', update_rate='50',
-                          robot_base_frame='base', odometry_source='0', publish_odom_tf='false'))
-    assert not differing(
-        found, left_joint='l', right_joint='r', wheel_separation=0.3, wheel_diameter=0.2,
-        wheel_torque=20.0, wheel_acceleration=2.0, odom_frame='map', odometry_period_s=0.02,
-        joint_states_period_s=0.02,
-        base_frame='base', odometry_source='encoder', publish_odom_tf=False)
-
-
 def test_several_pairs_of_wheels_in_ros_2():
     tags = ('<num_wheel_pairs>2</num_wheel_pairs><left_joint>a</left_joint><left_joint>/b'
             '</left_joint><right_joint>c</right_joint><right_joint>d</right_joint>'
@@ -97,18 +82,19 @@ def test_several_pairs_of_wheels_in_ros_2():
 @pytest.mark.parametrize('names', [
     ('commandTopic', 'odometryTopic', 'odometryFrame', 'robotBaseFrame', 'odometrySource',
      'publishOdomTF', 'leftJoint', 'rightJoint', 'wheelSeparation', 'wheelDiameter', 'wheelTorque',
-     'wheelAcceleration'),
+     'wheelAcceleration', 'updateRate'),
     ('commandTopic', 'odometryTopic', 'odometry_frame', 'robot_base_frame', 'odometry_source',
      'publish_odom_tf', 'left_joint', 'right_joint', 'wheel_separation', 'wheel_diameter',
-     'torque', 'max_wheel_acceleration')])
+     'max_wheel_torque', 'max_wheel_acceleration', 'update_rate')])
 def test_every_name_of_a_tag(names):
     given = dict(zip(names, ('go', 'at', 'map', 'base', 'encoder', '0', 'l', 'r', '2', '3', '4',
-                             '5')))
+                             '5', '50')))
     assert values(plugin('gazebo_ros_diff_drive', **given)) == {
         'command_topic': 'go', 'odometry_topic': 'at', 'odom_frame': 'map', 'base_frame': 'base',
         'odometry_source': 'encoder', 'publish_odom_tf': False, 'left_joint': 'l',
         'right_joint': 'r', 'wheel_separation': 2.0, 'wheel_diameter': 3.0, 'wheel_torque': 4.0,
-        'wheel_acceleration': 5.0}
+        'wheel_acceleration': 5.0, 'drive_period_s': 0.02, 'odometry_period_s': 0.02,
+        'joint_states_period_s': 0.02}
 
 
 @pytest.mark.parametrize('library', ['gazebo_ros_diff_drive', 'gazebo_ros_skid_steer_drive'])
@@ -174,51 +160,9 @@ def test_the_first_drive_counts_and_a_plugin_more_than_a_controller():
     assert values(CONTROL, planar, given=controllers())['drive'] == 'planar'
 
 
-def test_a_controller_with_its_parameters():
-    given = controllers(
-        left_wheel='left_0_joint', wheel_separation=0.3, wheel_separation_multiplier=1.5,
-        wheel_radius=0.05, wheel_radius_multiplier=1.1, left_wheel_radius_multiplier=1.2,
-        publish_rate=100, base_frame_id='/base', odom_frame_id='map', enable_odom_tf=False,
-        cmd_vel_timeout=0.25, use_stamped_vel=True,
-        linear={'x': LIMITS}, angular={'z': {**LIMITS, 'has_velocity_limits': False,
-                                             'has_acceleration_limits': True}})
-    found = values(CONTROL, given={**given, 'joints': JOINT_STATES})
-    assert not differing(
-        found, left_joint='left_0_joint', wheel_separation=0.3, wheel_separation_multiplier=1.5,
-        wheel_diameter=0.1, left_wheel_radius_multiplier=1.2, right_wheel_radius_multiplier=1.1,
-        odometry_period_s=0.01, joint_states_period_s=0.05, base_frame='base', odom_frame='map',
-        publish_odom_tf=False, cmd_vel_timeout=0.25, stamped_commands=True,
-        max_linear_velocity=1.0, min_linear_velocity=-0.5, max_linear_acceleration=None,
-        max_angular_velocity=None, max_angular_acceleration=2.0)
-
-
-@pytest.mark.parametrize('effort, torque', [
-    ('<limit effort="7.5" velocity="10"/>', 7.5), ('', 1e6), ('<limit velocity="1"/>', 1e6)])
-def test_the_torque_is_the_limit_of_the_joint(effort, torque):
-    urdf = robot(CONTROL).replace('<axis xyz="0 0 1"/>', '<axis xyz="0 0 1"/>' + effort)
-    assert source(urdf, controllers()).tag_values['wheel_torque'] == torque
-
-
-def test_of_another_robots_controllers_none_is_used():
-    others = {'other': {**controllers()['base'], 'left_wheel': 'left', 'right_wheel': ['right']}}
-    found = values(CONTROL, given={**others, **controllers()})
-    assert found['command_topic'] == 'base/cmd_vel'
-
-
 @pytest.mark.parametrize('given', [{}, {'base': controllers()['base']}])
 def test_no_controller_without_the_plugin_that_runs_them(given):
     assert 'left_joint' not in values(given=given)
-
-
-@pytest.mark.parametrize('parameters, wanted', [
-    ({'wheel_radius': 'large'}, "parameter base/wheel_radius: got 'large', expected a finite num"),
-    ({'left_wheel': 3}, 'parameter base/left_wheel: got 3, expected the name of a joint, or a li'),
-    ({'right_wheel': []}, 'parameter base/right_wheel: got [], expected the name of a joint'),
-    ({'linear': {'x': {'has_velocity_limits': True, 'max_velocity': [1]}}},
-     'parameter base/linear/x/max_velocity: got [1], expected a finite number')])
-def test_refuses_parameters_by_their_names(parameters, wanted):
-    line = refusal(source, robot(CONTROL), controllers(**parameters))
-    assert line.startswith('cannot use the robot in robot.urdf: ' + wanted)
 
 
 def test_what_else_is_controlled_is_a_warning():

@@ -129,6 +129,8 @@ def test_the_state_of_a_joint_is_that_of_its_links(tmp_path, kind, start, positi
     (HOST.format(1), {'host': True, 'host::inc::a': True, 'host::inc::b': True}),
     (HOST.format(0), {'host': True, 'host::inc::a': True, 'host::inc::b': True}),
     (MODEL.format('m', '', '3 0 1 0 0 0.5', A + '<model name="n">' + A + '</model>'),
-     {'m': True, 'm::n::a': False})])
+     {'m': True, 'm::n::a': False}),
+    ('<model name="m">' + A + MODEL.format('n', '', '0 0 0 0 0 0', A) + '</model>',
+     {'m': False, 'm::n::a': True})])
 def test_what_is_included_is_static_with_its_model_what_is_nested_is_not(tmp_path, model, fixed):
     assert {tree.name: tree.fixed for tree in read(tmp_path, model).trees} == fixed

@@ -36,28 +36,15 @@ def centers(world):
     (LINK.format('a', '1 0 3 0 0 0') + LINK.format('b', '2 0 4 0 0 0'), ['m', 'm::b'],
      [(1, 1.1, 3), (1, 2.1, 4)]),
     (LINK.format('b', '2 0 4 0 0 0') + LINK.format('a', '1 0 3 0 0 0') + TIE.format('a', 'b'),
-     ['m'], [(1, 1.1, 3), (1, 2.1, 4)])])
+     ['m'], [(1, 1.1, 3), (1, 2.1, 4)]),
+    (LINK.format('a', '0 0 3 0 0 0') + '<model name="inner"><pose>0 1 3 0 0 1.5707963267948966'
+     '</pose>' + LINK.format('a', '2 0 0 0 0 0') + LINK.format('b', '3 0 0 0 0 0')
+     + TIE.format('a', 'b') + '</model>', ['m', 'm::inner::a'],
+     [(1, 0.1, 3), (-2.1, 0, 3), (-3.1, 0, 3)])])
 def test_links_are_where_their_poses_put_them(inside, names, places):
     world = load(TURNED, inside)
     assert [body.name for body in world.bodies] == names
     assert centers(world) == pytest.approx(np.array(places), abs=1e-3)
-
-
-def test_links_of_a_model_in_a_model():
-    inner = ('<model name="inner"><pose>0 1 0 0 0 1.5707963267948966</pose>'
-             + LINK.format('a', '2 0 0 0 0 0') + LINK.format('b', '3 0 0 0 0 0')
-             + TIE.format('a', 'b') + '</model>')
-    world = load('<pose>0 0 3 0 0 0</pose>', LINK.format('a', ''), inner)
-    assert [body.name for body in world.bodies] == ['m', 'm::inner::a']
-    assert centers(world) == pytest.approx(np.array([(0.1, 0, 3), (0, 3.1, 3), (0, 4.1, 3)]),
-                                           abs=1e-3)
-
-
-def test_a_joint_between_the_links_of_two_models():
-    inner = '<model name="inner">' + LINK.format('b', '1 0 0 0 0 0') + '</model>'
-    tree, = convert(LINK.format('a', ''), inner, TIE.format('a', 'inner::b'))
-    joint, = tree.model.joints
-    assert (joint.parent, joint.child) == ('a', 'inner::b')
 
 
 @pytest.mark.parametrize('pose', [
@@ -84,21 +71,6 @@ def test_what_is_tied_to_the_world_does_not_fall(static, tie, height):
     world.step(100)
     assert world.bodies[0].motion().position[2] == pytest.approx(height, abs=1e-3)
     assert world.bodies[0].fixed is (height == 3)
-
-
-def test_joints_of_a_static_model_do_not_move():
-    world = load('<static>1</static>', LINK.format('a', '0 0 3 0 0 0'),
-                 LINK.format('b', '1 0 3 0 0 0'), JOINT.format(
-                     'a', 'b', 'revolute', '<axis><xyz>0 1 0</xyz></axis>'))
-    before = centers(world)
-    world.step(200)
-    assert centers(world) == before and not world.bodies[0].joints
-
-
-def test_a_static_model_in_a_model_stays():
-    inner = '<model name="n"><static>1</static>' + LINK.format('l', '1 0 3 0 0 0') + '</model>'
-    free, fixed = convert(LINK.format('a', '0 0 3 0 0 0'), inner)
-    assert (free.fixed, fixed.fixed) == (False, True)
 
 
 def turned_about(world, angle):
@@ -138,18 +110,6 @@ def test_a_joint_turns_about_its_axis(version, link, joint, place):
     world = load(frame, LINK.format('a', '0 0 3 0 0 0'), LINK.format('b', link),
                  JOINT.format('a', 'b', 'revolute', joint), version=version)
     assert turned_about(world, math.pi / 2) == pytest.approx(place, abs=2e-3)
-
-
-def test_a_door_that_is_joined_to_the_world():
-    world = load('<pose>5 0 0 0 0 0</pose>', LINK.format('b', '1 0 3 0 0 0'),
-                 JOINT.format('world', 'b', 'revolute', ''))
-    door, = world.bodies
-    assert door.fixed and list(door.joints) == ['world_b']
-    assert centers(world)[-1] == pytest.approx((6.1, 0, 3), abs=2e-3)
-    pybullet.resetJointState(door.body_id, 0, math.pi / 2,
-                             physicsClientId=world.physics_client_id)
-    pybullet.performCollisionDetection(physicsClientId=world.physics_client_id)
-    assert centers(world)[-1] == pytest.approx((6, 0.1, 3), abs=2e-3)
 
 
 def test_a_pendulum_swings():
@@ -198,15 +158,6 @@ def test_trees_have_their_own_links_and_joints_alone():
     assert [tree.name for tree in trees] == ['m', 'm::b']
     parts = [[part.name for part in tree.model.links + tree.model.joints] for tree in trees]
     assert parts == [['a'], ['b', 'c', 'd', 'b_c', 'c_d']]
-
-
-def test_masses_and_inertias():
-    tree, = convert('<link name="a"><inertial><pose>0 0 1 0 0 0</pose><mass>3</mass><inertia>'
-                    '<ixx>1</ixx><iyy>2</iyy><izz>2.5</izz><ixy>0.1</ixy></inertia></inertial>'
-                    '</link>')
-    inertia = tree.model.links[0].inertia
-    assert (inertia.mass, inertia.pose.translation.tolist()) == (3.0, [0, 0, 1])
-    assert inertia.matrix.tolist() == [[1, 0.1, 0], [0.1, 2, 0], [0, 0, 2.5]]
 
 
 def test_a_link_without_an_inertia_has_that_of_sdf():

@@ -1,5 +1,4 @@
 """Meshes of a robot description: found, missing and replaced; and a robot that has them."""
-import math
 import os
 import struct
 
@@ -9,11 +8,8 @@ import pytest
 from img_recog.model import BOX, CYLINDER, MESH, Material, Shape
 from img_recog.simulation.physics import build
 from img_recog.simulation.physics.client import connect
-from img_recog.simulation.robot_spec import RobotSpec
-from img_recog.simulation.simulation_settings import RobotSettings, SpawnSettings
-from img_recog.simulation.vehicle import Vehicle
 from img_recog_helpers.parsed import given, lumped, part
-from img_recog_helpers.robots import burgers_drive, read, simulator
+from img_recog_helpers.robots import read
 
 INERTIAL = ('<inertial><mass value="{}"/><inertia ixx="0.001" ixy="0" ixz="0" iyy="0.001" iyz="0" '
             'izz="0.001"/></inertial>')
@@ -155,25 +151,6 @@ def test_what_pybullet_cannot_read_counts_as_missing(name, readable):
     link, missing = resolved(mesh('visual', name), lambda uri: '/m/' + name)
     assert len(link.looks) == readable
     assert missing == ([] if readable else ['package://toy/meshes/' + name])
-
-
-@pytest.mark.parametrize('has_meshes', [True, False])
-def test_robot_weighs_what_it_says_and_stands_and_drives(find, has_meshes):
-    sim = simulator()
-    toy_model = lumped(TOY, find if has_meshes else lambda uri: None)
-    settings = RobotSettings(drive=burgers_drive(), spawn=SpawnSettings(x_pos=1.0, y_pos=1.0))
-    sim.remove(sim.vehicles[0])
-    toy = Vehicle(RobotSpec('toy', toy_model, settings), sim.world)
-    sim.add(toy)
-    assert toy.robot.mass() == pytest.approx(0.8 + 2 * 0.03 + 0.1 + 0.005, abs=1e-6)
-    sim.advance(2000)
-    stands = toy.robot.motion()
-    assert stands.position == pytest.approx([1.0, 1.0, 0.0], abs=0.005)
-    assert 2 * math.acos(min(1.0, abs(stands.orientation[3]))) < 0.05
-    assert stands.linear == pytest.approx([0, 0, 0], abs=1e-3)
-    toy.command(0.2, 0.0)
-    sim.advance(2000)
-    assert toy.robot.motion().linear[0] == pytest.approx(0.2, rel=0.05)
 
 
 def test_replacements_have_the_material_of_the_first_shape_that_is_missing():

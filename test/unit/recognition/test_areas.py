@@ -8,26 +8,6 @@ from img_recog.recognition.recognition_settings import with_colors
 from img_recog_helpers import plain_opencv
 from img_recog_helpers.extraction import extractor, random_image
 
-# bgr8 pixels on both sides of each bound of the article, with their HSV by OpenCV
-BOUNDS = [
-    # bgr, hsv, in blue, in red
-    ((0, 200, 64), (50, 255, 200), True, False),
-    ((0, 200, 70), (49, 255, 200), False, False),
-    ((204, 150, 124), (110, 100, 204), True, False),
-    ((201, 148, 123), (110, 99, 201), False, False),
-    ((100, 32, 0), (110, 255, 100), True, False),
-    ((99, 32, 0), (110, 255, 99), False, False),
-    ((251, 0, 255), (150, 255, 255), True, True),
-    ((200, 0, 191), (149, 255, 200), True, False),
-    ((191, 0, 200), (151, 255, 200), False, True),
-    ((4, 0, 200), (179, 255, 200), False, True),
-    ((0, 0, 200), (0, 255, 200), False, False),
-    ((148, 122, 201), (170, 100, 201), False, True),
-    ((147, 122, 200), (170, 99, 200), False, False),
-    ((48, 0, 150), (170, 255, 150), False, True),
-    ((48, 0, 149), (170, 255, 149), False, False),
-]
-
 
 def in_range(image, color):
     """Return, by numpy alone, which pixels of a bgr8 image are inside the range of a color."""
@@ -116,53 +96,6 @@ def test_rows_that_are_not_contiguous_and_read_only_memory():
     assert found.measure(image[:, 3:67]) == plain.measure(image[:, 3:67].copy())
     for number in (0, 1):
         assert np.array_equal(found.masked(number), plain.masked(number))
-
-
-def test_frame_whose_pixels_belong_to_both_colors():
-    image = np.zeros((40, 60, 3), np.uint8)
-    image[:, :20], image[:, 20:30] = (255, 0, 255), (255, 40, 0)
-    assert_equal_to_plain_opencv(image)
-    found = extractor()
-    assert found.measure(image) == [40 * 30, 40 * 20]
-    assert np.array_equal(found.masked(0), image)
-    assert not found.masked(1)[:, 20:].any()
-
-
-@pytest.mark.parametrize('bgr, hsv, in_blue, in_red', BOUNDS)
-def test_bounds_of_the_articles_ranges(bgr, hsv, in_blue, in_red):
-    image = np.full((1, 1, 3), bgr, np.uint8)
-    assert tuple(cv2.cvtColor(image, cv2.COLOR_BGR2HSV)[0, 0]) == hsv
-    found = extractor()
-    assert found.measure(image) == [in_blue, in_red]
-    for number, inside in enumerate((in_blue, in_red)):
-        assert tuple(found.masked(number)[0, 0]) == (bgr if inside else (0, 0, 0))
-
-
-@pytest.mark.parametrize('channel', [0, 1, 2])
-def test_bounds_of_each_channel_are_included(channel):
-    image, hsv = np.full((2, 3, 3), (191, 60, 200), np.uint8), np.array([152, 178, 200])
-    assert np.array_equal(cv2.cvtColor(image, cv2.COLOR_BGR2HSV)[0, 0], hsv)
-
-    def area_px(lower, upper):
-        values = {}
-        for part, low, high in zip(('hue', 'saturation', 'value'), lower, upper):
-            values['c_{}_min'.format(part)], values['c_{}_max'.format(part)] = int(low), int(high)
-        return ColorExtractor(with_colors(['c'])(**values)).measure(image)[0]
-
-    step = np.eye(3, dtype=int)[channel]
-    assert area_px(hsv, hsv) == 6
-    assert area_px(hsv + step, [180, 255, 255]) == 0
-    assert area_px([0, 0, 0], hsv - step) == 0
-    assert area_px(hsv, hsv + step) == 6
-    assert area_px(hsv - step, hsv) == 6
-
-
-@pytest.mark.parametrize('value', [0, 128, 255])
-def test_black_grey_and_white_have_no_color(value):
-    found = extractor()
-    assert found.measure(np.full((48, 64, 3), value, np.uint8)) == [0, 0]
-    assert not found.masked(0).any() and not found.masked(1).any()
-    assert found.centroid(0) is None and found.centroid(1) is None
 
 
 def test_input_is_unchanged_and_shares_no_memory_with_results():

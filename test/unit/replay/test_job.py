@@ -78,17 +78,6 @@ def test_options_that_are_refused(capsys, arguments, words):
     assert words in error and 'replay.py: error: ' in error
 
 
-def test_help_has_units_and_names(capsys):
-    with pytest.raises(SystemExit):
-        replay_options.parse(['--help'])
-    text = capsys.readouterr().out
-    for words in ('usage: replay.py ', '--x-pos M ', '--y-pos M ', '--z-pos M ', '--yaw RAD ',
-                  'pose of the robot in m (default: -2.0)', 'robot in rad (default: 0.0)',
-                  '--colors YAML', '--output FOLDER_OR_PREFIX',
-                  '/usb_cam/image_raw or /usb_cam/image_raw/compressed'):
-        assert words in ' '.join(text.split()), words
-
-
 @pytest.mark.parametrize('name', ['x_pos', 'y_pos', 'z_pos'])
 def test_pose_that_is_not_allowed_names_its_option(name):
     option = '--' + name.replace('_', '-')
