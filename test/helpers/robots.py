@@ -5,6 +5,7 @@ import os
 
 from img_recog.conversions.sensor_table import SENSORS
 from img_recog.formats import world_file
+from img_recog.formats.markup import read_bytes
 from img_recog.simulation import assembly
 from img_recog.simulation.robot_spec import read_robot
 from img_recog.simulation.simulation_settings import PhysicsSettings, RobotSettings, SpawnSettings
@@ -36,14 +37,19 @@ def burgers(sensor, **changed):
 def assemble(world_name='empty', x=0.0, y=0.0, yaw=0.0, z=0.0, urdf=None, find_mesh=None,
              allow_partial=False, unused_sensors=(), option_name=str, cameras=(), **settings):
     """Return the assembly of a robot, by default the burger, in a world; **settings: see below.
+
+    world_name: a name, a path or the text of the file.
     """
+    text = world_name if world_name.startswith('<') else ''
+    world_name = 'hall.world' if text else world_name
     physics = PhysicsSettings(world=world_name)
     robot = read(burger() if urdf is None else urdf, 'robot_description', find_mesh)
     robot = robot._replace(settings=settings_of(
         x, y, yaw, z, **{**robot.settings.sensors, **settings}))
     for camera in cameras:
         robot = robot.with_sensor(CAMERA, camera)
-    world = world_file.read(world_name, WORLDS, allow_partial=allow_partial)
+    world = world_file.read(world_name, WORLDS, allow_partial=allow_partial,
+                            read_file=(lambda path: text) if text else read_bytes)
     return assembly.build(physics, world, [robot], unused_sensors, option_name)
 
 

@@ -105,6 +105,10 @@ def test_sensors_without_a_link_are_warned_of_unless_unused():
     assert assemble(urdf=urdf).warnings == (
         'turtlebot3_burger runs without the sensor imu: no link torso',)
     assert assemble(urdf=urdf, unused_sensors=unused).warnings == ()
+    simulator = assemble(urdf=urdf).simulator
+    vehicle, = simulator.vehicles
+    assert vehicle.missing_sensors == {'imu': 'torso'} and simulator.advance(400) == []
+    vehicle.set_sensor_enabled('imu', True)
     # those that have their links are disabled
     readings = assemble(unused_sensors=unused).simulator.advance(400)
     assert {reading.sensor for reading in readings} == {'odometry', 'joint_states'}

@@ -4,12 +4,10 @@ import pytest
 from PIL import Image
 
 from img_recog_helpers.robots import assemble
-from img_recog_helpers.sdf import BUILT_IN, sdf
+from img_recog_helpers.sdf import BUILT_IN, body, sdf
 
-TERRAIN = ('<model name="hills"><static>1</static><link name="l"><collision name="c"><geometry>{}'
-           '</geometry></collision></link></model>')
-HILLS = TERRAIN.format('<heightmap><uri>hills.png</uri><size>20 20 2</size></heightmap>')
-SHEET = TERRAIN.format('<mesh><uri>sheet.obj</uri></mesh>')
+HILLS = body('hills', '', '<heightmap><uri>hills.png</uri><size>20 20 2</size></heightmap>', True)
+SHEET = body('hills', '', '<mesh><uri>sheet.obj</uri></mesh>', True)
 FALLS = ('turtlebot3_burger: it falls, as nothing is below it: the world has no ground_plane or '
          'other floor there')
 

@@ -4,6 +4,7 @@ import math
 import pybullet
 import pytest
 
+from img_recog_helpers import sdf
 from img_recog_helpers.robots import simulator
 
 
@@ -56,14 +57,8 @@ def test_reset_of_the_robot_stops_its_wheels():
 
 
 @pytest.mark.parametrize('reset', ['reset_world', 'reset_simulation'])
-def test_reset_puts_the_bodies_of_the_world_back(tmp_path, reset):
-    (tmp_path / 'crate.sdf').write_text(
-        '<sdf version="1.6"><world name="w"><model name="crate"><pose>1 2 0.5 0 0 0.3</pose>'
-        '<link name="a"><inertial><mass>1</mass><inertia><ixx>0.01</ixx><iyy>0.01</iyy>'
-        '<izz>0.01</izz><ixy>0</ixy><ixz>0</ixz><iyz>0</iyz></inertia></inertial>'
-        '<collision name="c"><geometry><box><size>0.1 0.1 0.1</size></box></geometry></collision>'
-        '</link></model></world></sdf>')
-    sim = simulator(str(tmp_path / 'crate.sdf'))
+def test_reset_puts_the_bodies_of_the_world_back(reset):
+    sim = simulator(sdf.sdf(sdf.body('crate', '1 2 0.5 0 0 0.3', sdf.box(0.1, 0.1, 0.1))))
     crate = sim.world.bodies[0]
     before = crate.motion()
     sim.advance(200)

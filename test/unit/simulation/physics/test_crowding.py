@@ -3,30 +3,28 @@ import pybullet
 import pytest
 
 from img_recog.errors import SimulationError
-from img_recog.formats import model_file, world_file
+from img_recog.formats import model_file
 from img_recog.simulation.models import Models, State
-from img_recog.simulation.physics.client import connect
-from img_recog.simulation.physics.world import World
-from img_recog.simulation.simulation_settings import PhysicsSettings
+from img_recog_helpers import sdf
 from img_recog_helpers.robots import simulator
-from img_recog_helpers.sdf import BOX, CRATE, INERTIAL, sdf
 
 HERE = State((0.0, 0.0, 0.0), (0.0, 0.0, 0.0, 1.0), (0.0, 0.0, 0.0), (0.0, 0.0, 0.0))
 
 
-def world_of(tmp_path, *poses):
+CUBE = sdf.box(0.2, 0.2, 0.2)
+
+
+def world_of(*poses):
     """Return a world with a crate at each pose."""
-    path = tmp_path / 'crates.world'
-    path.write_text(sdf(*(CRATE.format(pose).replace('"crate"', '"crate{}"'.format(number))
-                          for number, pose in enumerate(poses))))
-    return World(PhysicsSettings(), world_file.read(str(path), {}), connect())
+    return sdf.world(*(sdf.body('crate{}'.format(number), pose, CUBE, mass=2, moments=0.02)
+                       for number, pose in enumerate(poses)), name='crates.world')
 
 
 def trees(count, links_of):
-    links = ''.join('<link name="l{}">{}</link>'.format(
-        number, INERTIAL + BOX.format('collision', '', '0.2 0.2 0.2')) for number in range(count))
-    return model_file.read('<sdf version="1.6"><model name="m">{}{}</model></sdf>'.format(
-        links, links_of(count)), 'm', lambda uri: None)
+    links = [sdf.link('l{}'.format(number), '', CUBE, mass=2, moments=0.02)
+             for number in range(count)]
+    return model_file.read('<sdf version="1.6">{}</sdf>'.format(
+        sdf.model('m', *links, links_of(count))), 'm', lambda uri: None)
 
 
 def fixed_joints(count):
@@ -38,8 +36,8 @@ def colliding(count):
     return '<self_collide>1</self_collide>'
 
 
-def test_a_step_that_takes_seconds_is_said_before(tmp_path):
-    world = world_of(tmp_path, *['0 0 5 0 0 0'] * 40)
+def test_a_step_that_takes_seconds_is_said_before():
+    world = world_of(*['0 0 5'] * 40)
     assert world.crowded == (
         'the next step of the physics takes about 1 s: bodies touch or overlap in many points, '
         'crate0 in 156, crate1 in 156, crate2 in 156')
@@ -49,22 +47,22 @@ def test_a_step_that_takes_seconds_is_said_before(tmp_path):
     (70, 'bodies touch or overlap in many points, crate0 in 276, crate1 in 276, crate2 in 276'),
     (200, 'more than 10000 pairs of bodies are in one place, the first are crate0, crate1, crate2')
 ])
-def test_a_world_whose_first_step_takes_too_long_is_refused(tmp_path, count, words):
+def test_a_world_whose_first_step_takes_too_long_is_refused(count, words):
     with pytest.raises(SimulationError) as error:
-        world_of(tmp_path, *['0 0 5 0 0 0'] * count)
+        world_of(*['0 0 5'] * count)
     assert str(error.value) == (
         'world crates: the next step of the physics would take more than 10 s: ' + words
         + '; move them apart, join the links of a model by fixed joints, or make it static')
 
 
-def test_bodies_that_stand_beside_one_another_are_not_many_points(tmp_path):
-    poses = ['{} {} 0.1 0 0 0'.format(x * 0.21, y * 0.21) for x in range(15) for y in range(15)]
-    world = world_of(tmp_path, *poses)
+def test_bodies_that_stand_beside_one_another_are_not_many_points():
+    poses = ['{} {} 0.1'.format(x * 0.21, y * 0.21) for x in range(15) for y in range(15)]
+    world = world_of(*poses)
     assert world.crowded == '' and len(world.bodies) == 225
     world.step(10)      # in no time
 
 
-@pytest.mark.parametrize('links_of', [lambda count: '<static>true</static>', fixed_joints])
+@pytest.mark.parametrize('links_of', [lambda count: '<static>1</static>', fixed_joints])
 def test_links_that_are_joined_or_static_never_touch(links_of):
     sim = simulator()
     Models(sim).add('m', trees(120, links_of), HERE, warn=pytest.fail)
@@ -81,11 +79,13 @@ def test_models_that_would_stop_time_are_not_added():
         models.add(name, trees(20, colliding), HERE, warn=lines.append)
     line, = lines
     assert line.startswith('model m1: the next step of the physics takes about 2 s: bodies touch')
-    before = models.names, pybullet.getNumBodies(physicsClientId=client), sim.world.revision
+
+    def there():
+        return models.names, pybullet.getNumBodies(physicsClientId=client), sim.world.revision
+    before = there()
     with pytest.raises(SimulationError, match='would take more than 10 s: bodies touch'):
         models.add('m2', trees(30, colliding), HERE)
-    assert before == (models.names, pybullet.getNumBodies(physicsClientId=client),
-                      sim.world.revision)
+    assert there() == before
     sim.advance(1)
 
 

@@ -42,6 +42,7 @@ def test_readings(drive):
 def test_links_are_undamped_and_have_the_friction_of_the_description():
     simulator = robots.simulator('turtlebot3_world', -2.0, -0.5)
     robot, client = simulator.vehicles[0].robot, simulator.world.physics_client_id
+    assert robot.mass() == pytest.approx(1.0017329, abs=1e-6)
     frictions = {}
     names = {link: name for name, link in link_indices(robot.body_id, client).items()}
     for link in robot.links:

@@ -6,105 +6,86 @@ import pybullet
 import pytest
 
 from img_recog import rotations
-from img_recog.checks.simulation_run import RunOptions, SimulationRun
+from img_recog_helpers import sdf
 from img_recog_helpers.wheeled import assembled, plugin, robot, velocity
 
-WORLD = ('<sdf version="1.6"><world name="w"><include><uri>model://ground_plane</uri></include>{}'
-         '</world></sdf>')
-BOX = ('<model name="{name}"><static>{static}</static><pose>{pose}</pose><link name="l"><inertial>'
-       '<mass>1</mass><inertia><ixx>0.00833</ixx><iyy>0.00833</iyy><izz>0.015</izz></inertia>'
-       '</inertial><collision name="c"><geometry><box><size>{size}</size></box></geometry>'
-       '<surface><friction><ode>{friction}</ode></friction></surface></collision></link></model>')
-DRIVE = plugin('gazebo_ros_diff_drive', leftJoint='left_0_joint', rightJoint='right_0_joint',
-               wheelTorque=20)
 SKID = plugin('gazebo_ros_skid_steer_drive', leftFrontJoint='left_0_joint', torque=20,
               leftRearJoint='left_1_joint', rightFrontJoint='right_0_joint',
               rightRearJoint='right_1_joint', robotBaseFrame='base_link')
+DRIVE = plugin('gazebo_ros_diff_drive', leftJoint='left_0_joint', rightJoint='right_0_joint',
+               wheelTorque=20)
+FLAT = dict(mass=1, moments=(0.00833, 0.00833, 0.015))
+X, Y = '<fdir1>1 0 0</fdir1>', '<fdir1>0 1 0</fdir1>'
 
 
 def mu(first, second=None, more=''):
-    return '<mu>{}</mu><mu2>{}</mu2>{}'.format(first, first if second is None else second, more)
+    return '<surface><friction><ode><mu>{}</mu>{}{}</ode></friction></surface>'.format(
+        first, '' if second is None else '<mu2>{}</mu2>'.format(second), more)
 
 
-def box(friction, pose='0 0 0.05 0 0 0', name='b', size='0.3 0.3 0.1', static='0'):
-    return BOX.format(name=name, friction=friction, pose=pose, size=size, static=static)
+def box(friction, pose='0 0 0.05', name='b', size=(0.3, 0.3, 0.1), static=False):
+    return sdf.body(name, pose, sdf.box(*size), static, surface=friction, **FLAT)
 
 
-def moved(tmp_path, models, seconds, velocity=''):
-    """Return where a box b is after a time, x and y in m; velocity: of it at the start."""
-    path = tmp_path / 'w.sdf'
-    path.write_text(WORLD.format(models))
-    lines = list(SimulationRun(RunOptions(str(path), until_s=seconds, every_s=seconds,
-                                          velocity=['b=' + velocity] if velocity else [])).lines())
-    return next(line for line in lines[::-1] if 'links' in line)['links']['b::l'][:2]
+def parts(name, pose, *collisions, static=False):
+    """Return a model of 1 kg with boxes: each the place of its middle, its size and surface."""
+    return sdf.model(name, sdf.link(**FLAT, inside=''.join(
+        '<collision name="{}"><pose>{} 0 0 0</pose><geometry>{}</geometry>{}</collision>'.format(
+            number, place, sdf.box(*size), surface)
+        for number, (place, size, surface) in enumerate(collisions))), pose=pose, static=static)
+
+
+def place(models, seconds, velocity=()):
+    """Return where a box b is after a time; velocity: of it at the start."""
+    velocities = {'b': (velocity, (0, 0, 0))} if velocity else {}
+    simulator = sdf.simulated(sdf.BUILT_IN, models, velocities=velocities)
+    return sdf.figures(simulator, seconds).links()['b::l'][:3]
 
 
 @pytest.mark.parametrize('degrees, slope, sliding, x', [
-    (20, mu(1), mu(0.3), 0.6403), (20, mu(0.3), mu(1), 0.6403), (20, mu(0.3), mu(0.3), 0.6403),
-    (30, mu(0.5), mu(0.4), 1.4924), (30, mu(0.4), mu(0.5), 1.4924), (20, mu(1), mu(0.5), 0.0171),
-    (50, mu(3), mu(1), 0.9124), (50, mu(3), mu(1.5), 0.0413), (50, mu(3), mu(3), 0.0383),
-    (50, mu(1), mu(3), 0.9124)])
-def test_of_two_surfaces_the_lower_coefficient_counts(degrees, slope, sliding, x, tmp_path):
+    (20, 1, 0.3, 0.6403), (20, 0.3, 1, 0.6403), (20, 0.3, 0.3, 0.6403), (30, 0.5, 0.4, 1.4924),
+    (30, 0.4, 0.5, 1.4924), (20, 1, 0.5, 0.0171), (50, 3, 1, 0.9124), (50, 3, 1.5, 0.0413),
+    (50, 3, 3, 0.0383), (50, 1, 3, 0.9124)])
+def test_of_two_surfaces_the_lower_coefficient_counts(degrees, slope, sliding, x):
     angle = math.radians(degrees)
-    sine, cosine = math.sin(angle), math.cos(angle)
-    poses = ['{} 0 {} 0 {} 0'.format(away * sine, 5 + away * cosine, angle)
+    poses = ['{} 0 {} 0 {}'.format(away * math.sin(angle), 5 + away * math.cos(angle), angle)
              for away in (-0.05, 0.05)]
-    models = box(slope, poses[0], 'slope', '20 0.8 0.1', '1') + box(sliding, poses[1])
-    assert moved(tmp_path, models, 1.5)[0] == pytest.approx(x, abs=0.01)
+    models = (box(mu(slope, slope), poses[0], 'slope', (20, 0.8, 0.1), static=True)
+              + box(mu(sliding, sliding), poses[1]))
+    assert place(models, 1.5)[0] == pytest.approx(x, abs=0.01)
 
 
-@pytest.mark.parametrize('friction, speed, place', [
-    (mu(0.3), '3,0,0', (1.5291, 0)), (mu(0.3), '2.1213203,2.1213203,0', (0.7642, 0.7642)),
+CUBE = 0.3, 0.3, 0.1
+LANES = parts('floor', '0 0 0.05', ('0 1 0', (8, 1.8, 0.1), mu(0.1, 0.1)),
+              ('0 -1 0', (8, 1.8, 0.1), mu(0.6, 0.6)), static=True)
+CUBES = ('0 0 0', CUBE, mu(0.1, 0.1)), ('0 0 0.1', CUBE, mu(0.6, 0.6))
+DIAGONAL = 2.1213203
+
+
+@pytest.mark.parametrize('models, velocity, x_y', [
+    (box(mu(0.3, 0.3)), (3, 0, 0), (1.5291, 0)),
+    (box(mu(0.3, 0.3)), (DIAGONAL, DIAGONAL, 0), (0.7642, 0.7642)),
     # without a direction, mu is along y and mu2 along x; mu2 is 1 by default
-    (mu(0.1, 0.6), '2,0,0', (0.3391, 0)), (mu(0.6, 0.1), '2,0,0', (2.039, 0)),
-    (mu(0.1, 0.6), '0,2,0', (0, 2.039)), ('<mu>0.1</mu>', '2,0,0', (0.203, 0)),
-    ('<mu>0.1</mu>', '0,2,0', (0, 2.039)),
-    (mu(0.1, 0.6, '<fdir1>1 0 0</fdir1>'), '2,0,0', (2.039, 0)),
-    (mu(0.1, 0.6, '<fdir1>0 1 0</fdir1>'), '2,0,0', (0.3391, 0))])
-def test_how_far_a_box_slides(friction, speed, place, tmp_path):
-    assert moved(tmp_path, box(friction), 2.0, speed) == pytest.approx(place, rel=0.02, abs=0.006)
+    (box(mu(0.1, 0.6)), (2, 0, 0), (0.3391, 0)), (box(mu(0.6, 0.1)), (2, 0, 0), (2.039, 0)),
+    (box(mu(0.1, 0.6)), (0, 2, 0), (0, 2.039)), (box(mu(0.1)), (2, 0, 0), (0.203, 0)),
+    (box(mu(0.1)), (0, 2, 0), (0, 2.039)), (box(mu(0.1, 0.6, X)), (2, 0, 0), (2.039, 0)),
+    (box(mu(0.1, 0.6, Y)), (2, 0, 0), (0.3391, 0)),
+    # each collision of a link has its own
+    (box(mu(1, 1), '0 1 0.15') + LANES, (2, 0, 0), (2.039, 1)),
+    (box(mu(1, 1), '0 -1 0.15') + LANES, (2, 0, 0), (0.3391, -1)),
+    (parts('b', '0 0 0.05', *CUBES), (2, 0, 0), (2.039, 0)),
+    (parts('b', '0 0 0.15 3.14159265', *CUBES), (2, 0, 0), (0.3391, 0)),
+    (parts('b', '0 0 0.15', ('0 0 0', CUBE, mu(1, 1)), ('0 0 -0.1', CUBE, mu(0.1, 0.6, X))),
+     (2, 0, 0), (2.039, 0))])
+def test_how_far_a_box_slides(models, velocity, x_y):
+    assert place(models, 2.0, velocity)[:2] == pytest.approx(x_y, rel=0.02, abs=0.006)
 
 
-def parts(name, static, pose, *collisions):
-    """Return a model of 1 kg with boxes: each the place of its middle, its size and friction."""
-    whole = box('{}', pose, name, static=static)
-    start, end = whole.index('<collision'), whole.index('</link>')
-    return whole[:start] + ''.join(
-        '<collision name="{}"><pose>{} 0 0 0</pose><geometry><box><size>{}</size></box></geometry>'
-        '<surface>{}</surface></collision>'.format(number, place, size, surface)
-        for number, (place, size, surface) in enumerate(collisions)) + whole[end:]
-
-
-def ode(*args):
-    return '<friction><ode>{}</ode></friction>'.format(mu(*args))
-
-
-LANES = parts('floor', '1', '0 0 0.05 0 0 0', ('0 1 0', '8 1.8 0.1', ode(0.1)),
-              ('0 -1 0', '8 1.8 0.1', ode(0.6)))
-CUBES = [('0 0 0', '0.3 0.3 0.1', ode(0.1)), ('0 0 0.1', '0.3 0.3 0.1', ode(0.6))]
-
-
-@pytest.mark.parametrize('models, place', [
-    (box(mu(1), '0 1 0.15 0 0 0') + LANES, (2.039, 1)),
-    (box(mu(1), '0 -1 0.15 0 0 0') + LANES, (0.3391, -1)),
-    (parts('b', '0', '0 0 0.05 0 0 0', *CUBES), (2.039, 0)),
-    (parts('b', '0', '0 0 0.15 3.14159265 0 0', *CUBES), (0.3391, 0)),
-    (parts('b', '0', '0 0 0.15 0 0 0', ('0 0 0', '0.3 0.3 0.1', ode(1)),
-           ('0 0 -0.1', '0.3 0.3 0.1', ode(0.1, 0.6, '<fdir1>1 0 0</fdir1>'))), (2.039, 0))])
-def test_each_collision_of_a_link_has_its_friction(models, place, tmp_path):
-    assert moved(tmp_path, models, 2.0, '2,0,0') == pytest.approx(place, rel=0.02, abs=0.006)
-
-
-def test_each_collision_of_a_link_has_its_bitmask(tmp_path):
-    bits = '<contact><collide_bitmask>{}</collide_bitmask></contact>'
-    models = parts('b', '0', '0 0 0.45 0 0 0', ('0 0 0', '0.3 0.3 0.1', bits.format('0x2')),
-                   ('0 0 -0.1', '0.3 0.3 0.1', bits.format('0x4')))
-    shelf = parts('shelf', '1', '0 0 0.1 0 0 0', ('0 0 0', '1 1 0.1', bits.format('0x2')))
-    path = tmp_path / 'w.sdf'
-    path.write_text(WORLD.format(models + shelf))
-    lines = list(SimulationRun(RunOptions(str(path), until_s=2.0, every_s=1.0)).lines())
-    height = [line for line in lines if 'links' in line][-1]['links']['b::l'][2]
-    assert height == pytest.approx(0.2, abs=0.002)
+def test_each_collision_of_a_link_has_its_bitmask():
+    bits = '<surface><contact><collide_bitmask>{}</collide_bitmask></contact></surface>'.format
+    models = parts('b', '0 0 0.45', ('0 0 0', CUBE, bits('0x2')), ('0 0 -0.1', CUBE, bits('0x4')))
+    shelf = parts('shelf', '0 0 0.1', ('0 0 0', (1, 1, 0.1), bits('0x2')), static=True)
+    assert place(models + shelf, 2.0)[2] == pytest.approx(0.2, abs=0.002)
 
 
 def with_tags(urdf, reference, tags):
@@ -127,10 +108,9 @@ def turn_rate(urdf, heading):
 ONE_CASTER = robot(DRIVE, casters=(-0.13,))
 
 
-@pytest.mark.parametrize('urdf, rate', [
-    (robot(DRIVE), 1.3637), (ONE_CASTER, 1.3637), (without_mu(ONE_CASTER), 1.3637)])
-def test_casters_do_not_keep_a_robot_from_turning(urdf, rate):
-    assert turn_rate(urdf, 0.0) == pytest.approx(rate, rel=0.02)
+@pytest.mark.parametrize('urdf', [robot(DRIVE), ONE_CASTER, without_mu(ONE_CASTER)])
+def test_casters_do_not_keep_a_robot_from_turning(urdf):
+    assert turn_rate(urdf, 0.0) == pytest.approx(1.3637, rel=0.02)
 
 
 @pytest.mark.parametrize('casters', [(0.17, -0.17), (-0.17,)])
@@ -196,11 +176,9 @@ def test_second_contacts_of_wheels_do_not_meet_the_chassis():
     assert (len(contacts), links) == (10, [])      # four of each wheel, and two casters
 
 
-def test_what_touched_is_forgotten_on_a_reset(tmp_path):
-    path = tmp_path / 'w.sdf'
-    path.write_text(WORLD.format(
-        box(mu(0.5), '0 0 0.05 0 0 0', 'low', '1 1 0.1') + box(mu(0.4), '0 0 0.15 0 0 0')))
-    simulator = SimulationRun(RunOptions(str(path)))._simulator
+def test_what_touched_is_forgotten_on_a_reset():
+    simulator = sdf.simulated(box(mu(0.5, 0.5), name='low', size=(1, 1, 0.1))
+                              + box(mu(0.4, 0.4), '0 0 0.15'), sdf.BUILT_IN)
     client = {'physicsClientId': simulator.world.physics_client_id}
     body = simulator.world.bodies[1].body_id
 

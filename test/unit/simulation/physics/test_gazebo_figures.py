@@ -5,40 +5,31 @@ They were read off it once; no test runs it.
 import pybullet
 import pytest
 
-from img_recog.formats import world_file
-from img_recog.formats.problems import Problems
-from img_recog.simulation.figures import Figures
 from img_recog.simulation.models import Models
-from img_recog.simulation.physics.client import connect
-from img_recog.simulation.physics.world import World
-from img_recog.simulation.simulation_settings import PhysicsSettings
-from img_recog.simulation.simulator import Simulator
-from img_recog_helpers.sdf import BUILT_IN, sdf
+from img_recog_helpers import sdf
 
-INERTIAL = ('<inertial><mass>1</mass><inertia><ixx>{0}</ixx><iyy>{1}</iyy><izz>{1}</izz></inertia>'
-            '</inertial>')
-# a rod of 1 m and 1 kg that hangs horizontally on a joint at its end
-ARM = ('<model name="m"><pose>0 0 3 0 0 0</pose><joint name="w" type="fixed"><parent>world'
-       '</parent><child>base</child></joint><link name="base"/><link name="arm"><pose>0.5 0.2 0 0 '
-       '0 0</pose>' + INERTIAL.format(0.000416667, 0.0835417) + '{link}</link><joint name="j" '
-       'type="revolute"><pose>-0.5 0 0 0 0 0</pose><parent>base</parent><child>arm</child>{joint}'
-       '<axis><xyz>0 1 0</xyz>{axis}</axis></joint></model>')
-BOX = ('<link name="{name}"><pose>{pose} 0 0 0</pose>' + INERTIAL.format(0.01, 0.01)
-       + '<collision name="c"><geometry><box><size>0.2 0.2 0.2</size></box></geometry>{surface}'
-       '</collision>{link}</link>')
-ALONE = '<model name="m">' + BOX + '</model>'
-STEPS = 1000
+HINGE = '<joint name="j" type="{}"><parent>{}</parent><child>{}</child>{}<axis><xyz>{}</xyz>{}' \
+    '</axis></joint>'
+HELD = '<joint name="w" type="fixed"><parent>world</parent><child>{}</child></joint>'
+CUBE = sdf.box(0.2, 0.2, 0.2)
 
 
 def simulated(*models):
     """Return a simulator of some models on a floor."""
-    file = world_file.read('w.sdf', {}, read_file=lambda path: sdf(
-        BUILT_IN, *models), allow_partial=True)
-    return Simulator(World(PhysicsSettings(), file, connect(), Problems()))
+    return sdf.simulated(sdf.BUILT_IN, *models)
+
+
+def hinge(parent, child, more='', kind='revolute', along='0 0 1', axis=''):
+    return HINGE.format(kind, parent, child, more, along, axis)
 
 
 def arm(axis='', link='', joint=''):
-    return simulated(ARM.format(axis=axis, link=link, joint=joint))
+    """Return a simulator of a rod of 1 m and 1 kg that hangs horizontally on its end."""
+    return simulated(sdf.model(
+        'm', HELD.format('base'), '<link name="base"/>',
+        sdf.link('arm', '0.5 0.2', moments=(0.000416667, 0.0835417, 0.0835417), inside=link),
+        hinge('base', 'arm', '<pose>-0.5 0 0 0 0 0</pose>' + joint, along='0 1 0', axis=axis),
+        pose='0 0 3'))
 
 
 def dynamics(**values):
@@ -67,8 +58,8 @@ IMPLICIT = '<physics><ode><implicit_spring_damper>1</implicit_spring_damper></od
     ('<initial_position>0.7</initial_position>', '', 3.1336)])
 def test_the_angle_of_an_arm_after_a_second(axis, joint, angle):
     simulator = arm(axis, joint=joint)
-    simulator.advance(STEPS)
-    assert Figures(simulator).joints()['m::j'][0] == pytest.approx(angle, rel=0.02, abs=1e-3)
+    found = sdf.figures(simulator, 1).joints()['m::j'][0]
+    assert found == pytest.approx(angle, rel=0.02, abs=1e-3)
     assert not simulator.world.warnings
 
 
@@ -82,9 +73,8 @@ def decay(linear, angular):
     (decay(0.01, 0.01), 1.0992), (decay(0.01, 0), 1.3059)])
 def test_what_links_say_of_the_motion_of_an_arm(link, angle):
     simulator = arm(link=link)
-    simulator.advance(STEPS)
-    body = simulator.world.bodies[0]
-    found = [value[0] for value in body.joint_values()] or [0.0]
+    simulator.advance(1000)
+    found = [value[0] for value in simulator.world.bodies[0].joint_values()] or [0.0]
     assert found[0] == pytest.approx(angle, rel=0.02, abs=1e-6)
 
 
@@ -93,11 +83,10 @@ def test_what_links_say_of_the_motion_of_an_arm(link, angle):
     (decay(0.01, 0.01), (0.0, 49.117, 0.0)),
     ('<gravity>0</gravity>' + decay(0, 0.01), (1.0, 50.0, 0.1045))])
 def test_where_a_body_is_that_is_thrown_without_gravity_or_falls(link, place):
-    simulator = simulated(ALONE.format(name='l', pose='0 0 50', surface='', link=link))
-    models = Models(simulator)
-    if 'gravity' in link:
-        models.set_state('m', models.state('m')._replace(linear=(1, 0, 0), angular=(0, 0, 1)))
-    simulator.advance(STEPS)
+    simulator = sdf.simulated(
+        sdf.BUILT_IN, sdf.body('m', '0 0 50', CUBE, inside=link),
+        velocities={'m': ((1, 0, 0), (0, 0, 1))} if 'gravity' in link else {})
+    simulator.advance(1000)
     motion = simulator.world.bodies[0].motion()
     assert (*motion.position[::2], motion.yaw) == pytest.approx(place, rel=0.02, abs=1e-6)
 
@@ -110,16 +99,13 @@ NESTED = '<model name="n">{}</model>'
     ('', '', '', '{}', 0.1), (COLLIDES(1), '', '', '{}', 0.3), ('', COLLIDES(1), '', '{}', 0.3),
     ('', '', COLLIDES(1), '{}', 0.3), (COLLIDES(1), COLLIDES(0), COLLIDES(0), '{}', 0.1),
     (COLLIDES(1), COLLIDES(0), '', '{}', 0.3), ('', '', '', NESTED, 0.3),
-    (COLLIDES(1), '', '', '{}<joint name="j" type="prismatic"><parent>a</parent><child>b</child>'
-     '<axis><xyz>0 0 1</xyz></axis></joint>', 0.1)])
+    (COLLIDES(1), '', '', '{}' + hinge('a', 'b', kind='prismatic'), 0.1)])
 def test_links_of_a_model_meet_where_it_says_so(model, low, high, inside, height):
-    text = '<model name="m">{}{}{}</model>'.format(
-        model, BOX.format(name='a', pose='0 0 0.1', surface='', link=low),
-        inside.format(BOX.format(name='b', pose='0 0 0.5', surface='', link=high)))
-    simulator = simulated(text)
+    simulator = simulated(sdf.model(
+        'm', model, sdf.link('a', '0 0 0.1', CUBE, inside=low),
+        inside.format(sdf.link('b', '0 0 0.5', CUBE, inside=high))))
     for _ in range(2):          # the second time after the first ones were removed
-        simulator.advance(STEPS)
-        heights = [place[2] for name, place in Figures(simulator).links().items()
+        heights = [place[2] for name, place in sdf.figures(simulator, 1).links().items()
                    if name.endswith('b')]
         assert heights == [pytest.approx(height, abs=0.005)]
         trees = simulator.world.file.trees
@@ -142,11 +128,9 @@ FLOOR = contact(collide_bitmask='0x01')
     (contact(collide_without_contact_bitmask=2), False),
     (contact(collide_without_contact=1, collide_without_contact_bitmask=2), True)])
 def test_bitmasks(surface, falls):
-    shelf = ALONE.format(name='l', pose='0 0 1', surface=FLOOR, link='').replace(
-        '<model name="m">', '<model name="shelf"><static>1</static>')
-    simulator = simulated(shelf, ALONE.format(name='l', pose='0 0 1.21', surface=surface, link=''))
-    simulator.advance(300)
-    height = Figures(simulator).links()['m::l'][2]
+    simulator = simulated(sdf.body('shelf', '0 0 1', CUBE, static=True, surface=FLOOR),
+                          sdf.body('m', '0 0 1.21', CUBE, surface=surface))
+    height = sdf.figures(simulator, 0.3).links()['m::l'][2]
     assert (height < 1) if falls else height == pytest.approx(1.2, abs=0.002)
 
 
@@ -155,16 +139,14 @@ def test_damping_beyond_what_is_stable_gets_a_line_and_ends_nowhere():
     assert simulator.world.warnings == [
         'm: joint j: damping 5000 and stiffness 0 cannot be simulated in steps of 0.001 s; it has '
         '333.542 and 0']
-    simulator.advance(STEPS)
-    assert 0 < Figures(simulator).joints()['m::j'][0] < 0.02
+    assert 0 < sdf.figures(simulator, 1).joints()['m::j'][0] < 0.02
 
 
 def test_each_link_of_a_world_has_its_own_friction():
-    mu = '<surface><friction><ode><mu>{0}</mu><mu2>{0}</mu2></ode></friction></surface>'
-    simulator = simulated('<model name="m">{}{}<joint name="j" type="revolute"><parent>a</parent>'
-                          '<child>b</child><axis><xyz>0 0 1</xyz></axis></joint></model>'.format(
-                              BOX.format(name='a', pose='0 0 1', surface=mu.format(0.1), link=''),
-                              BOX.format(name='b', pose='1 0 1', surface=mu.format(0.3), link='')))
+    mu = '<surface><friction><ode><mu>{0}</mu><mu2>{0}</mu2></ode></friction></surface>'.format
+    simulator = simulated(sdf.model(
+        'm', sdf.link('a', '0 0 1', CUBE, surface=mu(0.1)),
+        sdf.link('b', '1 0 1', CUBE, surface=mu(0.3)), hinge('a', 'b')))
     body, client = simulator.world.bodies[0].body_id, simulator.world.physics_client_id
     assert [pybullet.getDynamicsInfo(body, link, physicsClientId=client)[1]
             for link in (-1, 0)] == [0.1, 0.3]
@@ -172,27 +154,43 @@ def test_each_link_of_a_world_has_its_own_friction():
 
 def test_what_a_hinge_holds_in_the_floor_does_not_meet_it():
     simulator = simulated(
-        '<model name="m">' + BOX.format(name='l', pose='0 0 0', surface='', link='')
-        + '<joint name="j" type="revolute"><parent>world</parent><child>l</child><axis><xyz>1 0 0'
-        '</xyz></axis></joint></model>',
-        '<model name="n">' + BOX.format(name='l', pose='0 0 0.2', surface='', link='')
-        + '</model>')
+        sdf.model('m', sdf.link('l', '', CUBE), hinge('world', 'l', along='1 0 0')),
+        sdf.body('n', '0 0 0.2', CUBE))
     assert simulator.world.warnings == [
         'm: held in the floor by its joints; it does not meet the floor']
-    simulator.advance(STEPS)        # the box on it is not thrown away
-    assert Figures(simulator).links()['n::l'][2] == pytest.approx(0.2, abs=0.005)
+    # the box on it is not thrown away
+    assert sdf.figures(simulator, 1).links()['n::l'][2] == pytest.approx(0.2, abs=0.005)
 
 
 def test_a_body_that_flies_away_gets_one_line_until_a_reset():
-    simulator = simulated(ALONE.format(name='l', pose='0 0 50', surface='', link=''))
+    simulator = simulated(sdf.body('m', '0 0 50', CUBE))
     models, lines = Models(simulator), []
     simulator.warn = lines.append
     for _ in range(2):
         models.set_state('m', models.state('m')._replace(linear=(2000, 0, 0)))
-        simulator.advance(3 * STEPS)
+        simulator.advance(3000)
         line, = lines
         assert line.startswith('m moves at 2e+03 m/s, after ')
         lines.clear()
         simulator.reset_world()
-    simulator.advance(3 * STEPS)
+    simulator.advance(3000)
     assert lines == []
+
+
+def test_joints_and_masses_of_a_model_that_is_fixed_to_the_world():
+    simulator = simulated(sdf.model(
+        'm', HELD.format('a'), hinge('a', 'b', along='0 1 0'),
+        hinge('b', 'c', kind='universal', along='1 0 0').replace('"j"', '"u"').replace(
+            '</joint>', '<axis2><xyz>0 1 0</xyz></axis2></joint>'),
+        sdf.link('a', mass=2, moments=(0.1, 0.2, 0.15)).replace(
+            '<mass>', '<pose>0.1 0 0 0.4 0 0</pose><mass>'),
+        '<link name="b"><pose>0.5 0 0 0 0 0</pose></link>',
+        '<link name="c"><pose>1 0 0 0 0 0</pose></link>', pose='0 0 2 0 0 0.3'))
+    figures = sdf.figures(simulator, 0.3)
+    assert figures.joints() == {
+        'm::w': [], 'm::j': pytest.approx([0.1768, 1.1723], abs=1e-3),
+        'm::u': pytest.approx([0, 0, -0.1768, -1.1723], abs=1e-3)}
+    assert figures.masses() == {
+        'ground_plane::link': [0, 0, 0, 0], 'm::a': pytest.approx([2, 0.1, 0.2, 0.15]),
+        'm::b': [1, 1, 1, 1], 'm::c': [1, 1, 1, 1]}
+    assert figures.links()['ground_plane::link'][:7] == pytest.approx([0, 0, 0, 0, 0, 0, 1])

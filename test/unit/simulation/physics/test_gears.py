@@ -1,24 +1,24 @@
 """Gearboxes and screws of an SDF, as Gazebo 11 moves them; and what becomes of them later."""
 import pytest
 
-from img_recog.formats import world_file
 from img_recog.simulation.figures import Figures
-from img_recog.simulation.physics.client import connect
-from img_recog.simulation.physics.world import World
-from img_recog.simulation.simulation_settings import PhysicsSettings
 from img_recog.simulation.simulator import Simulator
-from img_recog_helpers.sdf import sdf
+from img_recog_helpers import sdf
 
-LINK = ('<link name="{}"><pose>{} 0 0 0 0 0</pose><inertial><mass>1</mass><inertia><ixx>0.01</ixx>'
-        '<iyy>0.01</iyy><izz>0.015</izz></inertia></inertial></link>')
 JOINT = '<joint name="{}" type="{}"><parent>{}</parent><child>{}</child>{}</joint>'
 AXIS = '<axis><xyz>0 0 {}</xyz>{}</axis>'
 AXES = AXIS.format(1, '') + '<axis2><xyz>0 0 1</xyz></axis2>'
-BASE = LINK.format('base', 0) + JOINT.format('w', 'fixed', 'world', 'base', '')
-NUT = BASE + LINK.format('nut', 1)
+
+
+def link(name, x):
+    return sdf.link(name, str(x), moments=(0.01, 0.01, 0.015))
+
+
+BASE = link('base', 0) + JOINT.format('w', 'fixed', 'world', 'base', '')
+NUT = BASE + link('nut', 1)
 TURNED = ('<dynamics><spring_stiffness>0.01</spring_stiffness>'
           '<spring_reference>1</spring_reference></dynamics>')
-WHEELS = (BASE + LINK.format('a', 1) + LINK.format('b', 2)
+WHEELS = (BASE + link('a', 1) + link('b', 2)
           + JOINT.format('ja', 'revolute', 'base', 'a', AXIS.format(1, TURNED))
           + JOINT.format('jb', 'revolute', 'base', 'b', AXIS.format(1, '')))
 RATIO = '<gearbox_ratio>2</gearbox_ratio>'
@@ -26,10 +26,8 @@ BEARER = '<gearbox_reference_body>base</gearbox_reference_body>'
 BOX = WHEELS + JOINT.format('gear', 'gearbox', 'b', 'a', RATIO + BEARER + AXES)
 
 
-def simulated(tmp_path, model):
-    path = tmp_path / 'hall.world'
-    path.write_text(sdf('<model name="m"><pose>0 0 3 0 0 0</pose>{}</model>'.format(model)))
-    return World(PhysicsSettings(), world_file.read(str(path), {}), connect())
+def simulated(model):
+    return sdf.world(sdf.model('m', model, pose='0 0 3'))
 
 
 def joints(world):
@@ -43,14 +41,14 @@ def joints(world):
     (AXIS.format(1, ''), [1.2093, 4.8276, -1.2093, -4.8276]),
     ('<thread_pitch>-20</thread_pitch>' + AXIS.format(
         1, '<dynamics><damping>0.01</damping></dynamics>'), [-3.1961, -12.1806, -0.1598, -0.609])])
-def test_a_screw_turns_and_slides(tmp_path, inside, after_half_a_second):
-    world = simulated(tmp_path, NUT + JOINT.format('j', 'screw', 'base', 'nut', inside))
+def test_a_screw_turns_and_slides(inside, after_half_a_second):
+    world = simulated(NUT + JOINT.format('j', 'screw', 'base', 'nut', inside))
     world.step(500)
     assert joints(world)['m::j'] == pytest.approx(after_half_a_second, rel=2e-3, abs=2e-3)
 
 
-def test_a_screw_stops_at_a_limit_of_its_angle(tmp_path):
-    world = simulated(tmp_path, NUT + JOINT.format('j', 'screw', 'base', 'nut', AXIS.format(
+def test_a_screw_stops_at_a_limit_of_its_angle():
+    world = simulated(NUT + JOINT.format('j', 'screw', 'base', 'nut', AXIS.format(
         1, '<limit><lower>-5</lower><upper>1</upper></limit>')))
     world.step(1500)
     assert joints(world)['m::j'] == pytest.approx([1, 0, -1, 0], abs=1e-3)
@@ -64,16 +62,16 @@ def test_a_screw_stops_at_a_limit_of_its_angle(tmp_path):
     ('<parent>base</parent><child>b</child><axis><xyz>0 0 1',
      '<parent>base</parent><child>b</child><axis><xyz>0 0 -1', 0.5),
     ('<parent>base</parent><child>a</child>', '<parent>a</parent><child>base</child>', 0.5)])
-def test_a_gearbox_turns_one_link_with_another(tmp_path, old, new, ratio):
-    world = simulated(tmp_path, BOX.replace(old, new, 1) if old else BOX)
+def test_a_gearbox_turns_one_link_with_another(old, new, ratio):
+    world = simulated(BOX.replace(old, new, 1) if old else BOX)
     world.step(500)
     found = joints(world)
     assert abs(found['m::ja'][0]) > 1e-3
     assert found['m::jb'] == pytest.approx([ratio * value for value in found['m::ja']], rel=1e-3)
 
 
-def test_what_has_a_gearbox_can_be_reset_and_removed(tmp_path):
-    world = simulated(tmp_path, BOX)
+def test_what_has_a_gearbox_can_be_reset_and_removed():
+    world = simulated(BOX)
     world.step(500)
     before = joints(world)
     world.reset()

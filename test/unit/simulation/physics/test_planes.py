@@ -2,28 +2,16 @@
 import pybullet
 import pytest
 
-from img_recog.formats import world_file
-from img_recog.simulation.physics.client import connect
-from img_recog.simulation.physics.world import World
-from img_recog.simulation.simulation_settings import PhysicsSettings
-from img_recog_helpers.sdf import sdf
+from img_recog_helpers import sdf
 
 GROUND = '<include><uri>model://ground_plane</uri>{}</include>'
-INLINE = ('<model name="ground_plane"><pose>{}</pose><static>1</static><link name="link">{}</link>'
-          '</model>')
-PLANE = ('<model name="p"><pose>{}</pose><static>{}</static><link name="l"><pose>{}</pose>'
-         '<collision name="c"><pose>{}</pose><geometry><plane><normal>{}</normal>'
-         '<size>2 2</size></plane></geometry></collision></link></model>')
-FLAT = '<collision name="c"><geometry><plane/></geometry></collision>'
-BALL = ('<model name="ball"><pose>{}</pose><link name="l"><collision name="c"><geometry><sphere>'
-        '<radius>0.1</radius></sphere></geometry></collision></link></model>')
-ORIGIN = '0 0 0 0 0 0'
+PLANE = ('<collision name="c"><pose>{}</pose><geometry><plane><normal>{}</normal><size>2 2</size>'
+         '</plane></geometry></collision>')
+FLAT = PLANE.format('0 0 0 0 0 0', '0 0 1')
 
 
-def build(tmp_path, *models):
-    path = tmp_path / 'hall.world'
-    path.write_text(sdf(*models))
-    return World(PhysicsSettings(), world_file.read(str(path), {}), connect())
+def inline(pose):
+    return sdf.body('ground_plane', pose, '<plane/>', static=True)
 
 
 def fallen(world, name, seconds):
@@ -38,33 +26,30 @@ def fallen(world, name, seconds):
     ([GROUND.format('<pose>0 0 1 0 0 0</pose>')], '0 0 3', 1.5, (0, 0, 1.1)),
     ([GROUND.format('<pose>0 0 0 0 0.2 0</pose>')], '0 0 1', 1.5, (0, 0, 0.1)),
     ([GROUND.format('<pose>0 0 -1 0 0 0</pose><name>second</name>'),
-      INLINE.format('0 0 0.5 0 0 0', FLAT)], '200 0 4', 1.5, (200, 0, 0.6)),
-    ([INLINE.format(ORIGIN, FLAT)], '200 0 1', 1, (200, 0, 0.1)),
-    ([PLANE.format('0 0 2 0 0 0', 0, ORIGIN, ORIGIN, '0 0 1')], '6 0 4', 1.5, (6, 0, 2.1)),
+      inline('0 0 0.5')], '200 0 4', 1.5, (200, 0, 0.6)),
+    ([inline('')], '200 0 1', 1, (200, 0, 0.1)),
+    ([sdf.body('p', '0 0 2', '', inside=FLAT)], '6 0 4', 1.5, (6, 0, 2.1)),
     ([], '0 0 1', 1, (0, 0, -3.9049))])
-def test_where_a_ball_comes_to_rest(tmp_path, models, ball, seconds, position):
-    world = build(tmp_path, *models, BALL.format(ball + ' 0 0 0'))
+def test_where_a_ball_comes_to_rest(models, ball, seconds, position):
+    world = sdf.world(*models, sdf.body('ball', ball, sdf.ball(0.1)))
     assert fallen(world, 'ball', seconds) == pytest.approx(position, abs=4e-3)
 
 
-def test_the_plane_of_what_moves_stays(tmp_path):
-    world = build(tmp_path, PLANE.format('0 0 2 0 0 0', 0, ORIGIN, ORIGIN, '0 0 1'))
+def test_the_plane_of_what_moves_stays():
+    world = sdf.world(sdf.body('p', '0 0 2', '', inside=FLAT))
     assert fallen(world, 'p', 1.5) == pytest.approx((0, 0, -9.0323), abs=1e-3)
 
 
 @pytest.mark.parametrize('model, link, collision, normal, heights', [
-    ('0 0 1 0.2 0.1 0', ORIGIN, ORIGIN, '0 0 1', (1, 1, 1)),
-    (ORIGIN, '0 0 1 0 0.2 0', ORIGIN, '0 0 1', (1, 1, 1)),
-    (ORIGIN, ORIGIN, '0 0 1 0.3 0 0', '0 0 1', (1, 1, 1)),
-    ('0 0 1 0 0 0', ORIGIN, ORIGIN, '0 0 2', (0.5, 0.5, 0.5)),
-    ('0 0 1 0 0 0', '0 0 1 0 0 0', ORIGIN, '0.6 0 1.6', (1.25, 0.125, 1.25)),
-    ('1 0 1 0 0 1.5708', '1 0 0.5 0 0 0', '1 0 0.25 0 0 0', '0.6 0 0.8',
-     (2.1875, -0.0625, 2.1875)),
-    ('1 0 1 0.3 0 0', '1 0 0.5 0 0.2 0', '1 0 0.25 0 0 0', '0.6 0 0.8',
-     (1.9024, -0.3476, 1.9024))])
-def test_no_pose_turns_a_plane_and_its_height_alone_moves_it(tmp_path, model, link, collision,
-                                                             normal, heights):
-    world = build(tmp_path, PLANE.format(model, 1, link, collision, normal))
+    ('0 0 1 0.2 0.1 0', '', '', '0 0 1', (1, 1, 1)), ('', '0 0 1 0 0.2 0', '', '0 0 1', (1, 1, 1)),
+    ('', '', '0 0 1 0.3 0 0', '0 0 1', (1, 1, 1)), ('0 0 1', '', '', '0 0 2', (0.5, 0.5, 0.5)),
+    ('0 0 1', '0 0 1', '', '0.6 0 1.6', (1.25, 0.125, 1.25)),
+    ('1 0 1 0 0 1.5708', '1 0 0.5', '1 0 0.25 0 0 0', '0.6 0 0.8', (2.1875, -0.0625, 2.1875)),
+    ('1 0 1 0.3 0 0', '1 0 0.5 0 0.2', '1 0 0.25 0 0 0', '0.6 0 0.8', (1.9024, -0.3476, 1.9024))])
+def test_no_pose_turns_a_plane_and_its_height_alone_moves_it(model, link, collision, normal,
+                                                             heights):
+    plane = PLANE.format(collision or '0 0 0 0 0 0', normal)
+    world = sdf.world(sdf.model('p', sdf.link(pose=link, inside=plane), pose=model, static=True))
     found = pybullet.rayTestBatch([(x, y, 9) for x, y in ((0, 0), (3, 0), (0, 3))],
                                   [(x, y, -9) for x, y in ((0, 0), (3, 0), (0, 3))],
                                   physicsClientId=world.physics_client_id)

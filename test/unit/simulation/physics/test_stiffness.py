@@ -3,40 +3,33 @@ import xml.etree.ElementTree as ElementTree
 
 import pytest
 
-from img_recog.checks.simulation_run import RunOptions, SimulationRun
 from img_recog.formats.urdf import read
 from img_recog.model import Contact
+from img_recog_helpers import sdf
 
-WORLD = '<sdf version="1.6"><world name="w">{}</world></sdf>'
-FLOOR = ('<model name="floor"><static>1</static><link name="l"><collision name="c"><geometry>'
-         '<plane><size>9 9</size></plane></geometry>{}</collision></link></model>')
-BODY = ('<model name="{}"><pose>{} 0 {} 0 0 0</pose><link name="l"><inertial><mass>{}</mass>'
-        '<inertia><ixx>{inertia}</ixx><iyy>{inertia}</iyy><izz>{inertia}</izz></inertia>'
-        '</inertial><collision name="c"><geometry>{}</geometry>{}</collision></link></model>')
-BALL = '<sphere><radius>0.1</radius></sphere>'
+BALL, BOX = sdf.ball(0.1), sdf.box(0.2, 0.2, 0.2)
 CYLINDER = '<cylinder><radius>0.1</radius><length>0.2</length></cylinder>'
-BOX = '<box><size>0.2 0.2 0.2</size></box>'
 URDF = ('<robot name="r"><link name="l"><inertial><mass value="1"/><inertia ixx="1" iyy="1" '
         'izz="1" ixy="0" ixz="0" iyz="0"/></inertial><collision><geometry><sphere radius="1"/>'
         '</geometry></collision></link><gazebo reference="l">{}</gazebo></robot>')
 
 
-def surface(contact='', bounce='', threshold=0.01):
+def surface(contact='', bounce=''):
     if bounce:
-        bounce = ('<bounce><restitution_coefficient>{}</restitution_coefficient><threshold>{}'
-                  '</threshold></bounce>').format(bounce, threshold)
+        bounce = ('<bounce><restitution_coefficient>{}</restitution_coefficient><threshold>0.01'
+                  '</threshold></bounce>').format(bounce)
     ode = ''.join('<{0}>{1}</{0}>'.format(*each.split('=')) for each in contact.split())
     return '<surface><contact><ode>{}</ode></contact>{}</surface>'.format(ode, bounce)
 
 
-def heights(tmp_path, shape, height, mass, contact, times, bounce=''):
+def heights(shape, height, mass, contact, times, bounce=''):
     """Return the heights, in m, of a body above a floor at some times."""
-    path = tmp_path / 'w.sdf'
-    path.write_text(WORLD.format(FLOOR.format(surface('', bounce)) + BODY.format(
-        'b', 0, height, mass, shape, surface(contact, bounce), inertia=0.004 * mass)))
-    run = SimulationRun(RunOptions(str(path), until_s=max(times), every_s=0.1))
-    lines = [line for line in run.lines() if 'links' in line]
-    return [lines[round(time * 10)]['links']['b::l'][2] for time in times]
+    simulator = sdf.simulated(
+        sdf.body('floor', '', '<plane/>', static=True, surface=surface('', bounce)),
+        sdf.body('b', '0 0 {}'.format(height), shape, mass=mass, moments=0.004 * mass,
+                 surface=surface(contact, bounce)))
+    return [sdf.figures(simulator, time - before).links()['b::l'][2]
+            for before, time in zip([0, *times], times)]
 
 
 @pytest.mark.parametrize('shape, mass, contact, found', [
@@ -51,15 +44,15 @@ def heights(tmp_path, shape, height, mass, contact, times, bounce=''):
     (BOX, 10, 'kp=10000 kd=100', {3: 0.0454}), (BOX, 10, 'kp=100000 kd=1', {3: 0.0941}),
     (BOX, 10, 'kp=10000 kd=100 max_vel=100', {3: 0.0976}),
     (CYLINDER, 5, 'kp=30000 kd=30', {3: 0.0917})])
-def test_how_deep_a_body_sinks(shape, mass, contact, found, tmp_path):
-    measured = heights(tmp_path, shape, 0.1, mass, contact, list(found))
+def test_how_deep_a_body_sinks(shape, mass, contact, found):
+    measured = heights(shape, 0.1, mass, contact, list(found))
     for time, z, expected in zip(found, measured, found.values()):
         assert z == pytest.approx(expected, abs=max(0.001, 0.012 * abs(0.1 - expected))), time
 
 
-def test_a_contact_without_stiffness_holds_nothing(tmp_path):
+def test_a_contact_without_stiffness_holds_nothing():
     """In Gazebo, its body is nowhere then."""
-    assert heights(tmp_path, BALL, 0.1, 1, 'kp=0 kd=-1 max_vel=0', [0.5])[0] < -0.5
+    assert heights(BALL, 0.1, 1, 'kp=0 kd=-1 max_vel=0', [0.5])[0] < -0.5
 
 
 @pytest.mark.parametrize('contact, bounce, found', [
@@ -69,8 +62,8 @@ def test_a_contact_without_stiffness_holds_nothing(tmp_path):
     ('max_vel=100', '', {0.5: 0.2443, 0.8: 0.6549, 1: 0.4387}),
     ('max_vel=100', 0.3, {0.5: 0.2443, 0.8: 0.6549, 1: 0.4387}),
     ('', 0.9, {0.5: 0.1, 0.8: 0.1}), ('', '', {0.5: 0.1, 0.8: 0.1})])
-def test_how_high_a_ball_comes_back(contact, bounce, found, tmp_path):
-    measured = heights(tmp_path, BALL, 1.1, 1, contact, list(found), bounce)
+def test_how_high_a_ball_comes_back(contact, bounce, found):
+    measured = heights(BALL, 1.1, 1, contact, list(found), bounce)
     assert measured == pytest.approx(list(found.values()), abs=0.015)
 
 

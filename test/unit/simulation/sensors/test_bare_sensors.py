@@ -5,13 +5,10 @@ import pytest
 from img_recog.loading import assemble
 from img_recog.simulation.sensors.imu import ImuSettings
 from img_recog.simulation.simulation_settings import PhysicsSettings
+from img_recog_helpers import sdf
 from img_recog_helpers.robots import burger, read
-from img_recog_helpers.sdf import BUILT_IN
 
-WORLD = """<sdf version="1.6"><world name="w">{}<model name="box"><static>true</static>
-  <pose>2 0 0.5 0 0 0</pose><link name="l"><collision name="c"><geometry><box><size>1 8 1</size>
-  </box></geometry></collision></link></model><model name="r"><static>true</static>
-  <pose>0 0 0.3 0 0 0</pose><link name="l">{}</link></model></world></sdf>"""
+BOX = sdf.body('box', '2 0 0.5', sdf.box(1, 8, 1), static=True)
 RANGE = '<range><min>0.1</min><max>5</max></range>'
 NOTHING = [np.inf] * 640
 ANGLES = '<min_angle>-.5</min_angle><max_angle>.5</max_angle>'
@@ -41,7 +38,8 @@ def horizontal(inside, rest=RANGE):
              '</horizontal></scan><range><max>5</max></range></ray>'), [1.5, 1.5])])
 def test_rays_without_some_of_their_tags(tmp_path, sensor, ranges):
     path = tmp_path / 'w.sdf'
-    path.write_text(WORLD.format(BUILT_IN, sensor))
+    path.write_text(sdf.sdf(sdf.BUILT_IN, BOX, sdf.model('r', '<link name="l">', sensor, '</link>',
+                                                         pose='0 0 0.3', static=True)))
     simulator = assemble.simulator(PhysicsSettings(world=str(path)), with_sensors=True,
                                    with_bare=True).simulator
     carrier, = simulator.carriers

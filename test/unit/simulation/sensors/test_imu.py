@@ -40,13 +40,6 @@ def test_driving_off_pushes_forward():
     assert force[0] > 0.5
 
 
-def test_turning_left_is_positive_about_z():
-    sim = simulator(imu=QUIET)
-    sim.vehicles[0].command(0.0, 1.0)
-    sim.advance(1000)
-    assert measure(sim, 100)[-1].angular_velocity[2] == pytest.approx(1.0, rel=0.03)
-
-
 def test_a_reset_is_not_an_acceleration():
     sim = simulator(imu=QUIET)
     sim.vehicles[0].command(1.0, 0.0)

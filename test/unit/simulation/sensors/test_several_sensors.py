@@ -217,11 +217,3 @@ def test_joint_states_are_those_that_the_plugin_names_without_efforts(tmp_path):
     # a joint that does not move has no state
     urdf = robots.burger('').replace('</robot>', LINK + plugin + '</robot>')
     assert robots.read(urdf).not_simulated == ('joint nose_joint of a joint state publisher',)
-
-
-def test_a_plugin_on_a_link_that_is_missing_is_a_warning():
-    urdf = robots.burger('').replace('</robot>', (
-        '<gazebo><plugin name="i" filename="libgazebo_ros_imu.so"><bodyName>torso</bodyName>'
-        '</plugin></gazebo></robot>'))
-    warnings = robots.assemble(urdf=urdf).warnings
-    assert ['runs without the sensor imu: no link torso' in line for line in warnings] == [True]
