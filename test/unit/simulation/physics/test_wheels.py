@@ -1,6 +1,6 @@
 """The separation and diameter of the wheels of a URDF."""
 import os
-import xml.etree.ElementTree as ElementTree
+import re
 from math import acos, atan2
 
 import numpy as np
@@ -20,78 +20,108 @@ TAG = ('<gazebo><plugin name="d" filename="libgazebo_ros_diff_drive.so"><leftJoi
        '</robot>')
 
 
-def changed(*pairs):
+def changed(*pairs, count=-1):
+    """Return the burger with texts replaced, the first `count` times."""
     urdf = burger('')
     for old, new in pairs:
         assert old in urdf, old
-        urdf = urdf.replace(old, new)
+        urdf = urdf.replace(old, new, count)
     return urdf
 
 
-WIDE = changed(('xyz="0 0.08 0.023"', 'xyz="0 0.144 0.023"'),
-               ('xyz="0 -0.080 0.023"', 'xyz="0 -0.144 0.023"'))
+def shaped(shape, count=2, origin=''):
+    """Return the burger with another collision shape of both wheels, or of the left one alone."""
+    assert burger().count(COLLISION) == 2
+    return changed((COLLISION, '<collision>{}<geometry>{}</geometry>'.format(origin, shape)),
+                   count=count)
 
 
-def measure(urdf, **settings):
-    return wheels.measure(lumped(urdf), burgers_drive(**settings))
+def seen_alone():
+    """Return the burger whose wheels have no collision shape."""
+    urdf, count = re.subn('(?s)(<link name="wheel_.*?)<collision>.*?</collision>', r'\1', burger())
+    assert count == 2
+    return urdf
+
+
+def in_rows(*rows):
+    """Return a robot with several wheels on a side, and the names of their joints by side."""
+    return wheeled.robot(rows=rows, separation=0.5, radius=0.08), {
+        '{}_joint'.format(side): ', '.join('{}_{}_joint'.format(side, row)
+                                           for row in range(len(rows)))
+        for side in ('left', 'right')}
+
+
+def turned_axis(robot):
+    """Return a robot of which the axis of the second wheel on the left is turned."""
+    urdf, joints = robot
+    head, tail = urdf.split('name="left_1_joint"')
+    return head + 'name="left_1_joint"' + tail.replace('xyz="0 0 1"', 'xyz="0 0 -1"', 1), joints
+
+
+def swapped(robot):
+    urdf, joints = robot
+    return urdf, {'left_joint': joints['right_joint'], 'right_joint': joints['left_joint']}
+
+
+CYLINDER, OUTWARD = '<cylinder radius="{}" length="0.018"/>', '<origin xyz="0 0 0.01"/>'
+LEFT, RIGHT = 'xyz="0 0.08 0.023"', 'xyz="0 -0.080 0.023"'
+WIDE = changed((LEFT, 'xyz="0 0.144 0.023"'), (RIGHT, 'xyz="0 -0.144 0.023"'))
+ARM = ('<link name="{0}"><inertial><mass value="1"/><inertia ixx="1" ixy="0" ixz="0" iyy="1" '
+       'iyz="0" izz="1"/></inertial></link><joint name="{0}_joint" type="revolute">'
+       '<parent link="{1}"/><child link="{0}"/><origin xyz="{2}" rpy="0 0 {3}"/>'
+       '<axis xyz="0 0 1"/><limit lower="-1" upper="1" effort="1" velocity="1"/></joint>')
+# the left wheel hangs on an arm, 0.1 m further out, and that on another one, 0.2 m
+ON_ARMS = changed(
+    ('<parent link="base_link"/>\n    <child link="wheel_left_link"/>',
+     '<parent link="arm"/>\n    <child link="wheel_left_link"/>'),
+    ('</robot>', ARM.format('post', 'base_link', '0 0.2 0', '1.5707963267948966')
+     + ARM.format('arm', 'post', '0.1 0 0', '-1.5707963267948966') + '</robot>'))
+# URDFs, settings of the drive, and what is measured
+CASES = {
+    'the burger': (burger(), {}, Wheels(0.16, 0.066)),
+    'wheels that are farther apart': (WIDE, {}, Wheels(0.288, 0.066)),
+    'larger wheels': (shaped(CYLINDER.format(0.05)), {}, Wheels(0.16, 0.1)),
+    'balls': (shaped('<sphere radius="0.04"/>'), {}, Wheels(0.16, 0.08)),
+    'tyres beside the joints, both to the left': (
+        shaped(CYLINDER.format(0.033), origin=OUTWARD), {}, Wheels(0.16, 0.066)),
+    'one tyre beside its joint': (
+        shaped(CYLINDER.format(0.033), 1, OUTWARD), {}, Wheels(0.17, 0.066)),
+    'boxes': (shaped('<box size="1 1 1"/>'), {}, Wheels(0.16, None)),
+    'wheels that differ': (shaped(CYLINDER.format(0.04), 1), {}, Wheels(0.16, None)),
+    'wheels that are only seen': (seen_alone(), {}, Wheels(0.16, 0.066)),
+    'joints below other joints': (ON_ARMS, {}, Wheels(0.46, 0.066)),
+    'no left joint': (burger(), {'left_joint': 'none'}, Wheels()),
+    'no right joint': (burger(), {'right_joint': 'none'}, Wheels()),
+    'one joint for both': (burger(), {'left_joint': 'wheel_right_joint'}, Wheels()),
+    'a base that moves itself': (burger(), {'drive': 'planar'}, Wheels()),
+    'two wheels on a side': (*in_rows(0.15, -0.15), Wheels(0.5, 0.16)),
+    'three wheels on a side': (*in_rows(0.2, 0.0, -0.2), Wheels(0.5, 0.16)),
+    'left joints on the right': (*swapped(in_rows(0.15, -0.15)),
+                                 Wheels(0.5, 0.16, swapped=True)),
+    'the axis of the first left wheel counts': (*turned_axis(in_rows(0.15, -0.15)),
+                                                Wheels(0.5, 0.16)),
+    'lengths to the micrometer': (
+        changed((LEFT, 'xyz="0 0.0834564 0.023"'), (COLLISION, COLLISION.replace(
+            '0.033', '0.03333337'))), {}, Wheels(0.163456, 0.066667)),
+    'wheels in the same place': (changed((LEFT, 'xyz="0.1 -0.08 0.023"')), {},
+                                 Wheels(None, 0.066))}
+
+
+@pytest.mark.parametrize('urdf, settings, wanted', list(CASES.values()), ids=list(CASES))
+def test_what_is_measured(urdf, settings, wanted):
+    assert wheels.measure(lumped(urdf), burgers_drive(**settings)) == wanted
 
 
 def drive_of(urdf, tags=''):
     return read(urdf.replace('</robot>', TAG.format(tags))).settings.drive
 
 
-def test_the_burgers_are_in_its_tags():
-    assert measure(burger()) == Wheels(0.16, 0.066)
+def test_what_is_measured_counts_where_no_tag_says_it():
     assert burgers_drive() == DriveSettings(
         left_joint='wheel_left_joint', right_joint='wheel_right_joint', wheel_separation=0.16,
         wheel_diameter=0.066, wheel_torque=10.0, wheel_acceleration=1.0, drive_period_s=0.01)
-
-
-def test_wheels_that_are_farther_apart():
-    assert measure(WIDE) == Wheels(0.288, 0.066)
     assert drive_of(WIDE).wheel_separation == 0.288
-
-
-def test_a_tag_counts_more():
     assert drive_of(WIDE, '<wheelSeparation>0.287</wheelSeparation>').wheel_separation == 0.287
-
-
-# the collision shape of both wheels, or of the left one alone
-@pytest.mark.parametrize('shape, count, expected', [
-    (COLLISION.replace('0.033', '0.05'), 2, Wheels(0.16, 0.1)),
-    ('<collision>\n      <geometry><sphere radius="0.04"/></geometry>', 2, Wheels(0.16, 0.08)),
-    # the tyres are outside of the joints, along their axes: both to the left
-    (COLLISION.replace('<geometry>', '<origin xyz="0 0 0.01"/><geometry>'), 2,
-     Wheels(0.16, 0.066)),
-    (COLLISION.replace('<geometry>', '<origin xyz="0 0 0.01"/><geometry>'), 1,
-     Wheels(0.17, 0.066)),
-    ('<collision>\n      <geometry><box size="1 1 1"/></geometry>', 2, Wheels(0.16, None)),
-    (COLLISION.replace('0.033', '0.04'), 1, Wheels(0.16, None))])
-def test_the_shape_of_the_wheels(shape, count, expected):
-    assert burger().count(COLLISION) == 2
-    assert measure(burger().replace(COLLISION, shape, count)) == expected
-
-
-ARM = ('<link name="{0}"><inertial><mass value="1"/><inertia ixx="1" ixy="0" ixz="0" iyy="1" '
-       'iyz="0" izz="1"/></inertial></link><joint name="{0}_joint" type="revolute">'
-       '<parent link="{1}"/><child link="{0}"/><origin xyz="{2}" rpy="0 0 {3}"/>'
-       '<axis xyz="0 0 1"/><limit lower="-1" upper="1" effort="1" velocity="1"/></joint>')
-
-
-def test_joints_below_other_joints():
-    # the left wheel hangs on an arm, 0.1 m further out, and that on another one, 0.2 m
-    urdf = changed(
-        ('<parent link="base_link"/>\n    <child link="wheel_left_link"/>',
-         '<parent link="arm"/>\n    <child link="wheel_left_link"/>'),
-        ('</robot>', ARM.format('post', 'base_link', '0 0.2 0', '1.5707963267948966')
-         + ARM.format('arm', 'post', '0.1 0 0', '-1.5707963267948966') + '</robot>'))
-    assert measure(urdf) == Wheels(0.46, 0.066)
-
-
-@pytest.mark.parametrize('joints', [
-    {'left_joint': 'none'}, {'right_joint': 'none'}, {'left_joint': 'wheel_right_joint'}])
-def test_unknown_joints_have_nothing_to_measure(joints):
-    assert measure(burger(), **joints) == Wheels()
 
 
 @pytest.mark.parametrize('settings, lines', [
@@ -143,45 +173,6 @@ def test_a_diameter_that_is_given_needs_no_measurement(tmp_path):
     assert 'wheel_diameter is 0.12 m, but in the URDF it is 0.16 m' in lines[0]
 
 
-def test_a_wheel_without_a_collision_shape_is_measured_at_what_is_seen():
-    urdf = burger().replace(COLLISION, COLLISION.replace('0.033', '0.04'))
-    for side in ('left', 'right'):
-        assert measure(without_collision(urdf, 'wheel_{}_link'.format(side))).wheel_separation
-    bare = without_collision(without_collision(urdf, 'wheel_left_link'), 'wheel_right_link')
-    assert measure(bare) == Wheels(0.16, 0.066)
-
-
-def without_collision(urdf, name):
-    root = ElementTree.fromstring(urdf)
-    link = next(each for each in root.findall('link') if each.get('name') == name)
-    for shape in link.findall('collision'):
-        link.remove(shape)
-    return ElementTree.tostring(root, 'unicode')
-
-
-@pytest.mark.parametrize('rows', [(0.15, -0.15), (0.2, 0.0, -0.2)])
-def test_several_wheels_on_a_side(rows):
-    names = {side: ', '.join('{}_{}_joint'.format(side, row) for row in range(len(rows)))
-             for side in ('left', 'right')}
-    robot = lumped(wheeled.robot(rows=rows, separation=0.5, radius=0.08))
-    drive = burgers_drive(left_joint=names['left'], right_joint=names['right'])
-    assert wheels.measure(robot, drive) == Wheels(0.5, 0.16)
-    drive = burgers_drive(left_joint=names['right'], right_joint=names['left'])
-    assert wheels.measure(robot, drive) == Wheels(0.5, 0.16, swapped=True)
-
-
-def test_a_base_that_moves_itself_has_no_wheels():
-    assert measure(burger(), drive='planar') == Wheels()
-
-
-def test_a_wide_robot_turns_as_commanded():
-    built = assemble(urdf=WIDE, drive=drive_of(WIDE))
-    assert built.warnings == ()
-    built.simulator.vehicles[0].command(0.0, 0.5)
-    built.simulator.advance(2000)
-    assert built.simulator.vehicles[0].robot.motion().angular[2] == pytest.approx(0.5, rel=0.03)
-
-
 @pytest.mark.parametrize('measured, given, diameter, count', [
     (Wheels(0.16), (), 0.15, 1), (Wheels(0.16), ('wheel_diameter',), 0.15, 0),
     (Wheels(0.16), (), 0.07, 0), (Wheels(0.16), (), 0.06, 0), (Wheels(), (), 0.066, 0),
@@ -192,32 +183,6 @@ def test_a_wide_robot_turns_as_commanded():
 def test_what_is_worth_a_warning(measured, given, diameter, count):
     drive = burgers_drive(wheel_diameter=diameter)
     assert len(measured.warnings(drive, given)) == count
-
-
-def test_values_are_those_that_are_known():
-    assert Wheels(0.3).values() == {'wheel_separation': 0.3}
-    assert Wheels(wheel_diameter=0.1).values() == {'wheel_diameter': 0.1}
-    assert not Wheels().swapped
-
-
-def test_lengths_are_to_the_micrometer():
-    urdf = changed(('xyz="0 0.08 0.023"', 'xyz="0 0.0834564 0.023"'),
-                   (COLLISION, COLLISION.replace('0.033', '0.03333337')))
-    assert measure(urdf) == Wheels(0.163456, 0.066667)
-
-
-def test_wheels_in_the_same_place_have_no_separation():
-    urdf = changed(('xyz="0 0.08 0.023"', 'xyz="0.1 -0.08 0.023"'))
-    assert measure(urdf) == Wheels(None, 0.066, False)
-
-
-def test_the_axis_of_the_first_left_wheel_says_which_side_is_left():
-    urdf = wheeled.robot(rows=(0.15, -0.15), separation=0.5)
-    head, tail = urdf.split('name="left_1_joint"')
-    urdf = head + 'name="left_1_joint"' + tail.replace('xyz="0 0 1"', 'xyz="0 0 -1"', 1)
-    drive = burgers_drive(left_joint='left_0_joint, left_1_joint',
-                          right_joint='right_0_joint, right_1_joint')
-    assert wheels.measure(lumped(urdf), drive) == Wheels(0.5, 0.2, False)
 
 
 @pytest.mark.parametrize('axis, wanted', [
