@@ -7,6 +7,7 @@ from img_recog.checks import looks
 from img_recog.checks.looks import Looks
 from img_recog.checks.report import (ASSUMED, MEASURED, NOT_DRAWN, NOT_SIMULATED, SIMULATED,
                                      CheckReport, CheckRow, rows_of, size)
+from img_recog.conversions.topic_checks import check_topics
 from img_recog.errors import UserError, one_line
 from img_recog.formats import drive_controllers
 from img_recog.formats.drive_controllers import Controllers
@@ -15,7 +16,7 @@ from img_recog.formats.world_file import EMPTY
 from img_recog.formats.yaml_text import load_yaml
 from img_recog.loading import assemble
 from img_recog.simulation.physics import wheels
-from img_recog.simulation.robot_spec import RobotSpec
+from img_recog.simulation.robot_spec import RobotSpec, refused
 from img_recog.simulation.simulation_settings import PhysicsSettings
 from img_recog.simulation.simulator import Simulator
 from img_recog.simulation.vehicle import Vehicle
@@ -40,6 +41,10 @@ def check(path: str, parameters: Sequence[str] = ()) -> CheckReport:
     """
     robot = assemble.robot(path,
                            controllers=lambda namespace: _controllers(namespace, parameters))
+    try:
+        check_topics(robot, [], lambda name: '/' + name.lstrip('/'))
+    except UserError as error:
+        raise refused(path, error.problem, error.advice)
     drive = robot.settings.drive
     built = assemble.simulator(PhysicsSettings(world=EMPTY), [robot])
     simulator, vehicle = built.simulator, built.simulator.vehicles[0]

@@ -105,3 +105,11 @@ def test_controllers_are_read_from_files(check, tmp_path):
                            report.text().replace(str(tmp_path) + '/', ''))
     assert refusal(check, CONTROL, parameters=[str(tmp_path / 'none.yaml')]).startswith(
         'cannot read the parameters in {}: '.format(tmp_path / 'none.yaml'))
+
+
+@pytest.mark.parametrize('topic, words', [
+    ('/clock', 'the topic /clock is not that of a robot; give its plugin another one'),
+    ('a b', "command_topic: got 'a b', allowed is a valid topic name")])
+def test_a_topic_that_the_node_refuses(check, tmp_path, topic, words):
+    assert refusal(check, DRIVE, ('<commandTopic>go<', '<commandTopic>{}<'.format(topic))) == (
+        'cannot use the robot in {}: {}'.format(tmp_path / 'robot.urdf', words))

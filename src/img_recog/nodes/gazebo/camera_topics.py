@@ -2,11 +2,10 @@
 import threading
 import zlib
 from functools import partial
-from typing import Any, Dict, Iterable, Optional, Set, Union
+from typing import Any, Optional, Set, Union
 
 import cv2
 import numpy as np
-import rosgraph
 import rospy
 from geometry_msgs.msg import Quaternion, TransformStamped, Vector3
 from sensor_msgs.msg import CameraInfo, PointCloud2
@@ -15,37 +14,18 @@ from std_msgs.msg import Header
 from img_recog import rotations
 from img_recog.conversions import camera_info_msgs, depth_msgs, robot_msgs
 from img_recog.conversions.robot_cameras import DrawnCamera
-from img_recog.errors import UserError
 from img_recog.nodes.compressed_images import CompressedImages
-from img_recog.simulation.names import topic_fields
 from img_recog.rendering import rays
 from img_recog.rendering.camera import Camera
 from img_recog.rendering.server import Picture, Shot
 from img_recog.ros.transport.direct_publisher import DirectPublisher
 from img_recog.ros.transport.image_publisher import ImagePublisher, LargePublisher
 from img_recog.ros.transport.redelivery import Redelivery
-from img_recog.settings import SettingError
 from img_recog.simulation.sensors.robot_camera import Exposure, optical_frame
 from img_recog.simulation.simulation_settings import CameraSettings
 
 _FROM_RGB = {'bgr8': cv2.COLOR_RGB2BGR, 'mono8': cv2.COLOR_RGB2GRAY}
 _INFO_QUEUE_SIZE = 10       # so that each image has its camera info, also if a sender has to wait
-
-
-def check(cameras: Iterable[CameraSettings]) -> None:
-    """Raise a UserError if a topic of the cameras has no valid name, or is that of two."""
-    owners: Dict[str, str] = {}
-    for camera in cameras:
-        for setting in topic_fields(camera):
-            topic = getattr(camera, setting)
-            if not rosgraph.names.is_legal_name(topic):
-                raise SettingError(setting, topic, 'a valid topic name')
-            owner = '{} of the camera on {}'.format(setting, camera.camera_frame)
-            other = owners.setdefault(rospy.resolve_name(topic), owner)
-            if other is not owner:
-                raise UserError('the topic {} is {} and {}'.format(topic, other, owner),
-                                'give each camera other topics: in a <gazebo> tag, another '
-                                '<cameraName>; as parameters, another ' + setting)
 
 
 class CameraTopics:

@@ -9,6 +9,7 @@ from std_msgs.msg import Header
 from img_recog.conversions import plane_msgs
 from img_recog.conversions.plane_msgs import PlanePose
 from img_recog.conversions.sensor_table import SENSORS
+from img_recog.conversions.topic_checks import check_topics
 from img_recog.errors import SimulationError, UserError, one_line
 from img_recog.nodes.gazebo.images import Images
 from img_recog.nodes.gazebo.lockstep import Lockstep
@@ -16,7 +17,6 @@ from img_recog.nodes.gazebo.physics_services import ServiceCalls
 from img_recog.nodes.gazebo.robot_reader import in_namespace
 from img_recog.nodes.gazebo.robot_topics import RobotTopics, SensorTopics, Transforms
 from img_recog.nodes.gazebo.static_transforms import StaticTransforms
-from img_recog.nodes.gazebo.topic_checks import check_topics
 from img_recog.ros.diagnostics import NodeDiagnostics
 from img_recog.simulation import assembly
 from img_recog.simulation.carrier import Carrier, Reading
@@ -88,7 +88,7 @@ class Robots:
         spec: with the names that others see. Raises a UserError when two sensors have the same
         topic, or those of its cameras cannot be used.
         """
-        check_topics(spec, [each.spec for each in self._all()])
+        check_topics(spec, [each.spec for each in self._all()], rospy.resolve_name)
         self._images.add_cameras(carrier, spec.names)
         name = carrier.robot.name
         if not isinstance(carrier, Vehicle):

@@ -6,8 +6,6 @@ import pytest
 from sensor_msgs.msg import CameraInfo
 
 from img_recog.conversions import depth_msgs
-from img_recog.errors import UserError
-from img_recog.nodes.gazebo import camera_topics
 from img_recog.nodes.gazebo.camera_topics import CameraTopics, optical_transform
 from img_recog.ros.transport.redelivery import Redelivery
 from img_recog.simulation.sensors.robot_camera import Exposure
@@ -154,34 +152,6 @@ def test_the_optical_frame_of_a_camera_that_looks_ahead():
     place, turn = transform.transform.translation, transform.transform.rotation
     assert (place.x, place.y, place.z) == pytest.approx((0.1, 0, 0.2))
     assert (turn.x, turn.y, turn.z, turn.w) == pytest.approx((-0.5, 0.5, -0.5, 0.5))
-
-
-def refusal(*cameras):
-    with pytest.raises(UserError) as error:
-        camera_topics.check(cameras)
-    assert '\n' not in str(error.value)
-    return str(error.value)
-
-
-def test_topics_of_two_cameras_must_differ():
-    second = settings(camera_frame='rear', camera_image_topic='rear/image_raw')
-    assert refusal(SETTINGS, second) == (
-        'the topic eye/camera_info is camera_info_topic of the camera on camera_link and '
-        'camera_info_topic of the camera on rear; give each camera other topics: in a <gazebo> '
-        'tag, another <cameraName>; as parameters, another camera_info_topic')
-    assert 'the topic /eye/image_raw is' in refusal(
-        SETTINGS, settings(camera_image_topic='/eye/image_raw', camera_info_topic='info'))
-    assert 'the topic eye/image_raw is camera_image_topic of the camera on camera_link and ' \
-        'camera_depth_topic' in refusal(settings(**{**DEPTH, 'camera_depth_topic':
-                                                    'eye/image_raw'}))
-    camera_topics.check([SETTINGS, settings(camera_image_topic='a', camera_info_topic='b',
-                                            **DEPTH)])
-
-
-@pytest.mark.parametrize('topic', ['a b', '1/a', 'eye//!', 'é'])
-def test_a_topic_needs_a_valid_name(topic):
-    assert 'camera_info_topic: got {!r}, allowed is a valid topic name'.format(topic) == refusal(
-        settings(camera_info_topic=topic))
 
 
 def test_in_lockstep_what_was_used_once_stays_in_use(publishers):

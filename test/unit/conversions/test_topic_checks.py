@@ -1,7 +1,9 @@
 """Topics that two robots would share, or that are not those of a robot."""
+import dataclasses
+
 import pytest
 
-from img_recog.nodes.gazebo.topic_checks import check_topics
+from img_recog.conversions.topic_checks import check_topics
 from img_recog.simulation.names import Names
 from img_recog.simulation.sensors.odometry import OdometrySettings
 from img_recog.simulation.simulation_settings import CameraSettings, DriveSettings
@@ -15,8 +17,22 @@ PLAIN = read(burger())
 SPEC = PLAIN.with_sensor(robots.CAMERA, CAMERA)
 
 
+DEPTH = dict(camera_depth_topic='eye/depth', camera_depth_info_topic='eye/depth_info')
+
+
+def resolved(name):
+    return '/' + name.lstrip('/')
+
+
+def with_camera(**more):
+    """Return the robot with a second camera."""
+    return SPEC.with_sensor(robots.CAMERA, dataclasses.replace(
+        CAMERA, **{'camera_frame': 'rear', 'camera_image_topic': 'a', **more}))
+
+
 def test_a_robot_may_have_the_topics_of_another_in_its_namespace():
-    check_topics(SPEC, [SPEC._replace(names=Names('robot2', 'robot2'))])
+    check_topics(SPEC, [SPEC._replace(names=Names('robot2', 'robot2'))], resolved)
+    check_topics(with_camera(camera_info_topic='b', **DEPTH), [], resolved)
 
 
 @pytest.mark.parametrize('spec, others, words', [
@@ -33,6 +49,17 @@ def test_a_robot_may_have_the_topics_of_another_in_its_namespace():
     (SPEC.changed(drive=DriveSettings(command_topic='scan')), [],
      'a sensor and commands are on the topic'),
     (PLAIN.with_sensor(robots.CAMERA, CameraSettings(camera_image_topic='not a name')), [],
-     "camera_image_topic: got 'not a name'")])
+     "camera_image_topic: got 'not a name', allowed is a valid topic name"),
+    *((PLAIN.changed(drive=DriveSettings(command_topic=topic)), [],
+       'command_topic: got {!r}, allowed is a valid topic name'.format(topic))
+      for topic in ('a b', '1/a', 'eye//!', 'é')),
+    (with_camera(), [],
+     'the topic eye/info is camera_info_topic of the camera on base_link and camera_info_topic of '
+     'the camera on rear; give each camera other topics: in a <gazebo> tag, another <cameraName>; '
+     'as parameters, another camera_info_topic'),
+    (with_camera(camera_image_topic='/eye/image', camera_info_topic='b'), [],
+     'the topic /eye/image is camera_image_topic of the camera on base_link and'),
+    (with_camera(camera_info_topic='b', **{**DEPTH, 'camera_depth_topic': 'a'}), [],
+     'the topic a is camera_image_topic of the camera on rear and camera_depth_topic')])
 def test_a_topic_that_is_taken_is_refused(spec, others, words):
-    assert words in refusal(check_topics, spec, others)
+    assert words in refusal(check_topics, spec, others, resolved)
