@@ -13,6 +13,7 @@ import collections
 import dataclasses
 import os
 import re
+import textwrap
 from typing import Any, Dict, Iterable, Iterator, List, NamedTuple, Tuple
 
 import launch_files
@@ -52,6 +53,7 @@ that. This page is written by `tools/generated_pages.py`.
 """
 _ROW = re.compile(r'\| (`\w+`(?:, `\w+`)*) \|(?:[^|]*\|){2}(.*)')
 _DEMO = 'The whole system of the article.'
+_WIDTH = 120        # of a line of text
 _Settings = Any         # a class of settings
 
 
@@ -119,18 +121,24 @@ def _launch_arguments() -> Iterator[str]:
 def _elements() -> Iterator[str]:
     both = {path: row for path, row in elements.SDF.items() if elements.URDF.get(path) == row}
     for title, table in (('SDF and URDF', both), ('SDF', elements.SDF), ('URDF', elements.URDF)):
-        places: Dict[str, List[str]] = {}       # which elements have the same row
+        places: Dict[Tuple[str, str, str], List[str]] = {}      # what has the same row
         for path, row in table.items():
             if not row.anything and (table is both or path not in both):
-                places.setdefault('{} | {} | {} |'.format(
+                places.setdefault((
                     _words(row.simulated + ' ' + row.drawn),
                     _words(row.no_effect) + (' ({})'.format(row.why) if row.why else ''),
                     _words(row.not_simulated)), []).append(path)
+        whole = {cells: paths for cells, paths in places.items() if not any(cells[1:])}
         yield from ('', '## ' + title, '',
                     '| in | simulated or drawn | of no effect here | not simulated |',
                     '|---|---|---|---|')
         for cells, paths in places.items():
-            yield '| {} | {}'.format(_words(' '.join(paths)), cells)
+            if cells not in whole:
+                yield '| {} | {} |'.format(_words(' '.join(paths)), ' | '.join(cells))
+        yield ''
+        yield from textwrap.wrap('All is simulated or drawn in ' + '; '.join(
+            '{}: {}'.format(_words(' '.join(paths)), simulated)
+            for (simulated, *_), paths in whole.items()) + '.', _WIDTH)
 
 
 def _words(text: str) -> str:
