@@ -11,6 +11,7 @@ import pytest
 
 from img_recog import files
 from img_recog.errors import UserError
+from img_recog_helpers.refusals import refusal
 
 EXTENSIONS = ('.bag', '.csv')
 
@@ -44,9 +45,7 @@ def test_names(folder, source, output, wanted):
 def test_names_that_are_refused(folder, output, named):
     (folder / 'a.bag').write_text('recorded')
     (folder / 'link.bag').symlink_to('a.bag')
-    with pytest.raises(UserError) as refused:
-        files.output_paths('a.bag', output, EXTENSIONS)
-    assert str(refused.value).startswith(named)
+    assert refusal(files.output_paths, 'a.bag', output, EXTENSIONS).startswith(named)
 
 
 def test_files_are_replaced_when_all_are_written(folder):

@@ -8,6 +8,7 @@ from img_recog.camera.usb_cam_settings import UsbCamSettings, intrinsic_controls
 from img_recog.errors import UserError
 from img_recog.settings import (SettingError, Settings, above, at_least, between, not_empty,
                                 one_of, setting, setting_fields, unknown)
+from img_recog.simulation.simulation_settings import REAL_TIME_FACTORS
 
 
 @dataclasses.dataclass(frozen=True)
@@ -117,6 +118,12 @@ def test_intrinsic_controls(given, values):
 def test_intrinsic_controls_refuses(given):
     with pytest.raises(SettingError, match='^intrinsic_controls: got .* allowed is a map of V4L2'):
         intrinsic_controls(given)
+
+
+@pytest.mark.parametrize('factor, is_one', [
+    (0, True), (0.001, True), (1000, True), (-1, False), (0.0009, False), (1000.1, False)])
+def test_factors_of_real_time(factor, is_one):
+    assert REAL_TIME_FACTORS.accepts(factor) is is_one
 
 
 def test_a_large_bound_is_written_out():

@@ -84,11 +84,13 @@ def test_wrong_numbers_are_refused(geometry, words):
     assert words in refusal(read, geometry)
 
 
-def test_a_visual_has_its_color():
-    look, missing = read('<box><size>1 1 1</size></box>', 'visual',
-                         material='<material><script><name>Gazebo/Orange</name></script>'
-                         '</material>')
-    assert (look.material.color, missing) == ((1, 0.5088, 0.0468, 1), '')
+@pytest.mark.parametrize('name, color, problem', [
+    ('Gazebo/Orange', (1, 0.5088, 0.0468, 1), ''),
+    ('Gazebo/Plaid', (1, 1, 1, 1), 'material Gazebo/Plaid')])
+def test_a_visual_has_its_color(name, color, problem):
+    look, missing = read('<box><size>1 1 1</size></box>', 'visual', material='<material><script>'
+                         '<name>{}</name></script></material>'.format(name))
+    assert (look.material.color, missing) == (color, problem)
 
 
 def test_relative_paths(tmp_path):
@@ -121,12 +123,6 @@ def test_the_transparency_of_a_visual_without_a_material(tmp_path):
                    find={'a': str(tmp_path / 'a.STL')}.get)
     assert (look.material, look.opacity) == (None, 0.75)
     assert look.shape == Shape(MESH, (1, 1, 1), str(tmp_path / 'a.STL'))
-
-
-def test_a_material_that_is_missing_is_named():
-    _, missing = read('<box><size>1 1 1</size></box>', 'visual', material=(
-        '<material><script><name>Gazebo/Plaid</name></script></material>'))
-    assert missing == 'material Gazebo/Plaid'
 
 
 def test_a_polyline_is_a_prism():

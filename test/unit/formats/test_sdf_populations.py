@@ -105,35 +105,20 @@ def test_a_population_without_a_model_and_an_actor_are_named(read):
     assert 'actor walker' in refusal(read, '<actor name="walker"/>')
 
 
-def strip(tree):
-    """Return the lowest and highest corner and the area of what is drawn of a road."""
-    visual, = tree.model.links[0].looks
-    part, = mesh_file.read(visual.shape.path)
-    corners = part.positions.reshape(-1, 3) + visual.pose.translation
-    turns = np.cross(part.positions[:, 1] - part.positions[:, 0],
-                     part.positions[:, 2] - part.positions[:, 0])
-    assert turns[:, 2].min() > 0        # seen from above
-    return corners.min(axis=0), corners.max(axis=0), turns[:, 2].sum() / 2, visual.material
-
-
 def test_a_road_is_drawn_just_above_the_floor_and_carries_nothing(read):
     tree, = read('<road name="main"><width>2</width><point>0 0 0</point><point>10 0 0</point>'
                  '</road>')
     assert tree.name == tree.model.name == 'main' and tree.fixed
     assert [(link.solids, link.inertia) for link in tree.model.links] == [((), NO_INERTIA)]
-    low, high, area, material = strip(tree)
-    assert low == pytest.approx([0, -1, 0.005]) and high == pytest.approx([10, 1, 0.005])
-    assert area == pytest.approx(20) and material.color == pytest.approx((0.3, 0.3, 0.3, 1))
-
-
-def test_a_road_turns_at_its_points(read):
-    tree, = read('<road name="bend"><width>2</width><point>0 0 1</point><point>5 0 1</point>'
-                 '<point>5 5 1</point><material><script><name>Gazebo/Blue</name></script>'
-                 '</material></road>')
-    low, high, _, material = strip(tree)
-    assert low[:2] == pytest.approx([0, -1], abs=0.3)
-    assert high[:2] == pytest.approx([6, 5], abs=0.3)
-    assert material.color == pytest.approx((0, 0, 1, 1))
+    look, = tree.model.links[0].looks
+    part, = mesh_file.read(look.shape.path)
+    corners = part.positions.reshape(-1, 3) + look.pose.translation
+    assert corners.min(axis=0) == pytest.approx([0, -1, 0.005])
+    assert corners.max(axis=0) == pytest.approx([10, 1, 0.005])
+    sides = part.positions[:, 1:] - part.positions[:, :1]
+    heights = np.cross(sides[:, 0], sides[:, 1])[:, 2]
+    assert heights.min() > 0 and heights.sum() / 2 == pytest.approx(20)     # seen from above
+    assert look.material.color == pytest.approx((0.3, 0.3, 0.3, 1))
 
 
 def test_a_road_of_one_point_is_named(read):
@@ -182,8 +167,10 @@ def test_the_poses_of_population_and_model_both_count(read):
 
 def test_the_corners_of_a_road(read):
     tree, = read('<road name="bend"><width>3</width><point>0 0 1</point><point>0.5 0 1</point>'
-                 '<point>0.5 0 1</point><point>0.5 4 2</point></road>')
+                 '<point>0.5 0 1</point><point>0.5 4 2</point><material><script>'
+                 '<name>Gazebo/Blue</name></script></material></road>')
     visual, = tree.model.links[0].looks
+    assert visual.material.color == (0, 0, 1, 1)
     part, = mesh_file.read(visual.shape.path)
     corners = np.array([(0, 1.5, 1), (0, -1.5, 1), (0.5, 1.5, 1), (0.5, -1.5, 1), (-1, 0, 1),
                         (2, 0, 1), (-1, 4, 2), (2, 4, 2)])

@@ -4,9 +4,7 @@ import pytest
 
 from img_recog.model import BOX, CAPSULE, CYLINDER, MESH, SPHERE, Look, Material, Shape
 from img_recog.simulation.robot_spec import read_robot
-from img_recog.simulation.pictures import visual_scene
-from img_recog.simulation.pictures.visual_scene import Parts
-from img_recog_helpers.parsed import given
+from img_recog_helpers.parsed import given, lumped
 from img_recog_helpers.refusals import refusal
 from img_recog_helpers.robots import assemble, burger
 
@@ -14,7 +12,10 @@ VISUAL = '<visual><geometry><box size="1 1 1"/></geometry>{}</visual>'
 ROBOT = ('<robot name="r"><link name="a">' + VISUAL.format('<material name="mine"/>')
          + VISUAL.format('') + '</link><link name="b">' + VISUAL.format('') + '</link>{}</robot>')
 SCAN = '<link name="base_scan">'
-BLUE = '<gazebo reference="{}"><material>Gazebo/Blue</material></gazebo>'
+TAG = '<gazebo reference="{}">{}</gazebo>'
+BLUE, PLAID = (TAG.format('{}', '<material>Gazebo/' + name + '</material>')
+               for name in ('Blue', 'Plaid'))
+DIFFUSE = '<visual><material><diffuse>0.5 0.25 0 1</diffuse></material></visual>'
 
 
 def colors(*tags, find=lambda uri: None):
@@ -26,36 +27,38 @@ def colors(*tags, find=lambda uri: None):
 
 
 PURE, BROWN = (0, 0, 1, 1), (0.5, 0.25, 0, 1)
+LAST = TAG.format('a', DIFFUSE + '<visual/><material>Gazebo/Blue</material>')
 
 
-def test_a_material_of_gazebo_is_that_of_all_visuals_of_its_link():
-    assert colors(BLUE.format('a')) == (
-        {'a': [PURE] * 2, 'b': [None]}, [])
+@pytest.mark.parametrize('tags, of_a, of_b, missing', [
+    (BLUE.format('a'), PURE, None, []), (BLUE.format('c'), None, None, []),
+    (TAG.format('a', '<mu1>1</mu1>'), None, None, []),
+    (BLUE.replace(' reference="{}"', ''), None, None, []),
+    (TAG.format('b', DIFFUSE), None, BROWN, []),
+    (TAG.format('b', DIFFUSE) + BLUE.format('b'), None, PURE, []),
+    (PLAID.format('a') + PLAID.format('b'), None, None, ['material Gazebo/Plaid']),
+    (LAST, PURE, None, []), (TAG.format('c', '') + LAST, PURE, None, []),
+    (PLAID.format('b') + LAST, PURE, None, ['material Gazebo/Plaid'])])
+def test_a_material_of_gazebo_is_that_of_all_visuals_of_its_link(tags, of_a, of_b, missing):
+    assert colors(tags) == ({'a': [of_a] * 2, 'b': [of_b]}, missing)
 
 
-def test_a_tag_for_another_link_or_without_a_material_changes_nothing():
-    before = {'a': [None, None], 'b': [None]}
-    for tag in (BLUE.format('c'), '<gazebo reference="a"><mu1>1</mu1></gazebo>',
-                '<gazebo><material>Gazebo/Blue</material></gazebo>'):
-        assert colors(tag) == (before, [])
-
-
-def test_a_material_in_a_visual_counts_too():
-    tag = ('<gazebo reference="b"><visual><material><diffuse>0.5 0.25 0 1</diffuse></material>'
-           '</visual></gazebo>')
-    assert colors(tag)[0]['b'] == [BROWN]
-    assert colors(tag, BLUE.format('b'))[0]['b'] == [PURE]
-
-
-def test_an_unknown_material_is_named_and_leaves_the_other():
-    tag = BLUE.replace('Blue', 'Plaid')
-    assert colors(tag.format('a'), tag.format('b')) == (
-        {'a': [None, None], 'b': [None]}, ['material Gazebo/Plaid'])
-    robot = read_robot(burger('').replace('</robot>', tag.format('base_link') + '</robot>'),
-                       0.001, lambda uri: None, 'robot.urdf')
-    assert robot.warnings == (
+def test_an_unknown_material_is_a_warning():
+    tag = PLAID.format('base_link')
+    found = read_robot(burger('').replace('</robot>', tag + '</robot>'), 0.001,
+                       lambda uri: None, 'robot.urdf')
+    assert found.warnings == (
         'robot.urdf: not known or not found, of its materials: material Gazebo/Plaid; those links '
         'keep their other color',)
+
+
+@pytest.mark.parametrize('link', ['base_link', 'base_scan'])
+def test_links_that_are_lumped_keep_the_material(link):
+    text = burger('').replace('</robot>', BLUE.format(link) + '</robot>')
+    looks = [look for each in lumped(text).links for look in each.looks]
+    count = text.split('<link name="{}">'.format(link))[1].split('</link>')[0].count('<visual>')
+    assert [look.material and look.material.color for look in looks].count(PURE) == count > 0
+    assert len(looks) == text.count('<visual>')
 
 
 def test_textures_of_the_urdf_are_found_or_named():
@@ -66,21 +69,6 @@ def test_textures_of_the_urdf_are_found_or_named():
         robot = given(text, lambda uri: found)
         assert robot.missing_looks == missing
         assert robot.links[0].looks[0].material == Material((1, 1, 1, 1), path)
-
-
-@pytest.mark.parametrize('link', ['base_link', 'base_scan'])
-def test_links_that_are_lumped_keep_the_material(link):
-    urdf = burger('').replace('</robot>', BLUE.format(link) + '</robot>')
-    built, plain = assemble(urdf=urdf), assemble()
-    visuals, before = ([visual for visual in visual_scene.read(each.scene, Parts(
-        each.simulator)).visuals] for each in (built, plain))
-    blue = [visual for visual in visuals
-            if visual.material and visual.material.color == (0, 0, 1, 1)]
-    count = urdf.split('<link name="{}">'.format(link))[1].split('</link>')[0].count('<visual>')
-    assert len(blue) == count > 0
-    assert len(visuals) == len(before) and all(
-        one == other for one, other in zip([each.shape for each in visuals],
-                                           [each.shape for each in before]))
 
 
 def robot(inside):
@@ -190,11 +178,3 @@ def test_each_missing_texture_is_named_once():
                                '<material>{1}</material>'.format(
                                    texture.format('a'), texture.format('b'))))
     assert robot.missing_looks == ('texture a', 'texture b')
-
-
-def test_the_last_material_of_a_tag_counts():
-    inside = ('<visual><material><diffuse>0.5 0.25 0 1</diffuse></material></visual>'
-              '<visual/><material>Gazebo/Blue</material>')
-    for between in ('', '<gazebo reference="c"/>', BLUE.replace('Blue', 'Plaid').format('b')):
-        found, _ = colors(between, '<gazebo reference="a">' + inside + '</gazebo>')
-        assert found == {'a': [PURE] * 2, 'b': [None]}

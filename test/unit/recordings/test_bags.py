@@ -19,6 +19,7 @@ from img_recog.recordings.bags import BagFrames
 from img_recog.recordings.films import FilmFrames
 from img_recog.recordings.recording_names import is_bag
 from img_recog_helpers.descriptors import times_open
+from img_recog_helpers.refusals import refusal
 from img_recog_helpers.replaying import BLUE, RED, image
 from img_recog_helpers.videos import VIDEO_RATE_HZ
 
@@ -45,13 +46,6 @@ def make_bag(tmp_path):
                 bag.write(topic, msg, rospy.Time(time_s))
         return path
     return make
-
-
-def refusal(function, *arguments):
-    with pytest.raises(UserError) as refused:
-        function(*arguments)
-    assert '\n' not in str(refused.value)
-    return str(refused.value)
 
 
 def test_video(make_video):

@@ -33,14 +33,6 @@ def test_a_point_is_drawn_where_the_intrinsics_project_it(pose, point, size):
     assert centroid(image) == pytest.approx(expected, abs=0.15)
 
 
-def test_field_of_view_is_from_edge_to_edge():
-    # a wall whose edges are at the edges of the image
-    half = 5.0 * math.tan(math.radians(30))
-    image = draw(visual(Shape(BOX, (0.1, 2 * half - 0.1, 9.0)), at(5.05, 0, 0), RED))
-    row = image[120, :, 0] > 160
-    assert row[:2].sum() == row[-2:].sum() == 0 and row[5:-5].all()
-
-
 def test_background_and_colors():
     image = draw(visual(Shape(BOX, (1, 1, 1)), at(5, 0, 0), BLUE))
     assert image[0, 0].tolist() == [128, 64, 191]
@@ -48,14 +40,6 @@ def test_background_and_colors():
     assert image[120, 160].tolist() == pytest.approx([0, 0, 178], abs=1)
     bright = draw(visual(Shape(BOX, (1, 1, 1)), at(5, 0, 0), (0.0, 0.0, 1.0, 2.0)))
     assert np.array_equal(image, bright)        # as files may have them
-
-
-@pytest.mark.parametrize('sun, share', [
-    ((0, 0, 1), 1.0), ((1, 0, 1), 0.7 + 0.3 * math.sqrt(0.5)), ((0, 0, -1), 0.7)])
-def test_light_on_a_face(sun, share):
-    image = draw(visual(Shape(PLANE, (2, 2)), at(0, 0, 0), (1.0, 1.0, 1.0, 1.0)),
-                 pose=looking_down(3.0), sun=sun)
-    assert image[120, 160].tolist() == pytest.approx([255 * share] * 3, abs=1)
 
 
 def test_edges_are_antialiased():
@@ -192,17 +176,6 @@ def test_depths_along_the_optical_axis(distance, expected):
     depths = renderer.depth(camera, np.eye(4), HERE)
     assert depths.dtype == np.float32 and depths.shape == (240, 320)
     assert depths == pytest.approx(np.full((240, 320), expected), rel=1e-4)
-
-
-def test_depths_of_the_floor_and_of_what_moves():
-    poses = np.array([[0.0, 0, 0.5, 0, 0, 0, 1]])
-    renderer = loaded(scene(visual(Shape(BOX, (0.2, 0.2, 0.2)), np.eye(4), RED), floor=True,
-                            moving=(True,)), poses)
-    depths = renderer.depth(CAMERA, looking_down(3.0), poses)
-    assert depths[120, 160] == pytest.approx(2.4, abs=1e-3)
-    assert depths[0, 0] == depths[239, 319] == pytest.approx(3.0, abs=1e-3)
-    lower = renderer.depth(CAMERA, looking_down(3.0), poses - (0, 0, 0.3, 0, 0, 0, 0))
-    assert lower[120, 160] == pytest.approx(2.7, abs=1e-3)
 
 
 def test_of_several_parts_one_that_is_not_seen_leaves_out_no_other():

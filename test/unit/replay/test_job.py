@@ -11,12 +11,12 @@ import pytest
 import rosbag
 
 from img_recog.camera import calibration
-from img_recog.errors import UserError
 from img_recog.loading import resources
 from img_recog.replay import figure, job, replay_options
 from img_recog.replay.plot_data import PlotData
 from img_recog.simulation.simulation_settings import SpawnSettings
 from img_recog_helpers.calibrations import KNOWN
+from img_recog_helpers.refusals import refusal
 
 
 class FakeFigure:
@@ -81,9 +81,7 @@ def test_options_that_are_refused(capsys, arguments, words):
 @pytest.mark.parametrize('name', ['x_pos', 'y_pos', 'z_pos'])
 def test_pose_that_is_not_allowed_names_its_option(name):
     option = '--' + name.replace('_', '-')
-    with pytest.raises(UserError) as refused:
-        replay_options.spawn_settings(replay_options.parse(['a', option, '1001']))
-    assert str(refused.value) == (
+    assert refusal(replay_options.spawn_settings, replay_options.parse(['a', option, '1001'])) == (
         option + ': got 1001.0, allowed is a finite number from -1000 to 1000')
 
 
