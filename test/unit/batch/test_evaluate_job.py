@@ -143,16 +143,14 @@ def test_truth_that_is_refused(folder, monkeypatch, caplog, line, words):
     assert words in caplog.text
 
 
-def test_equal_names_get_their_folder(folder, monkeypatch):
-    (folder / 'b').mkdir()
-    (folder / 'b' / 'low.yaml').write_text(WIDE)
-    assert run(monkeypatch, 'film.avi', '--colors', 'low.yaml', 'b/low.yaml') == 0
-    assert {row['colors'] for row in rows()} == {'{}/low'.format(folder.name), 'b/low'}
-
-
-def test_sets_of_colors_that_differ_in_the_type_of_their_file(folder, monkeypatch):
-    os.rename('low.yaml', 'my.yaml')
-    os.rename('high.yaml', 'my.yml')
-    assert run(monkeypatch, 'film.avi', '--colors', 'my.yaml', 'my.yml') == 0
-    assert [row['colors'] for row in rows()].count('my.yml') == FRAMES
-    assert {row['colors'] for row in rows()} == {'my.yaml', 'my.yml'}
+@pytest.mark.parametrize('names, shown', [
+    (('low.yaml', 'b/low.yaml'), {'{}/low', 'b/low'}),
+    (('my.yaml', 'my.yml'), {'my.yaml', 'my.yml'})])
+def test_sets_of_colors_are_told_apart(folder, monkeypatch, names, shown):
+    for name in names:
+        (folder / name).parent.mkdir(exist_ok=True)
+        (folder / name).write_text(WIDE)
+    assert run(monkeypatch, 'film.avi', '--colors', *names) == 0
+    found = [row['colors'] for row in rows()]
+    assert set(found) == {name.format(folder.name) for name in shown}
+    assert found.count(found[0]) == FRAMES

@@ -12,8 +12,6 @@ from img_recog_helpers.wheeled import assembled, controllers, plugin, robot, sou
 CORNERS = {'leftFrontJoint': 'left_0_joint', 'leftRearJoint': 'left_1_joint',
            'rightFrontJoint': 'right_0_joint', 'rightRearJoint': 'right_1_joint'}
 CONTROL = plugin('gazebo_ros_control')
-JOINT_STATES = {'type': 'joint_state_controller/JointStateController', 'publish_rate': 20}
-ARM = {'type': 'position_controllers/JointPositionController', 'joint': 'elbow'}
 
 
 def values(*elements, given=()):
@@ -38,11 +36,14 @@ def test_skid_steering():
         publish_odom_tf=True)
 
 
-def test_skid_steering_by_what_the_plugin_assumes():
-    found = values(plugin('gazebo_ros_skid_steer_drive'))
-    assert not differing(
-        found, left_joint='left_front_joint, left_rear_joint', publish_odom_tf=False,
-        right_joint='right_front_joint, right_rear_joint')
+@pytest.mark.parametrize('corners, left, right', [
+    ({}, 'left_front_joint, left_rear_joint', 'right_front_joint, right_rear_joint'),
+    ({'leftRearJoint': 'left_1_joint', 'rightFrontJoint': 'r', 'rightRearJoint': 'r'},
+     'left_front_joint, left_1_joint', 'r')])
+def test_the_corners_of_skid_steering(corners, left, right):
+    found = values(plugin('gazebo_ros_skid_steer_drive', **corners))
+    assert (found['left_joint'], found['right_joint']) == (left, right)
+    assert found['publish_odom_tf'] is False and not set(CORNERS) & set(found)
 
 
 @pytest.mark.parametrize('library, more, wanted', [
@@ -125,13 +126,6 @@ def test_kobuki():
             'publish_odom_tf': True}
 
 
-def test_corners_of_which_one_is_given_and_that_are_one_joint():
-    found = values(plugin('gazebo_ros_skid_steer_drive', leftRearJoint='left_1_joint',
-                          rightFrontJoint='r', rightRearJoint='r'))
-    assert (found['left_joint'], found['right_joint']) == ('left_front_joint, left_1_joint', 'r')
-    assert not {'leftFrontJoint', 'leftRearJoint', 'rightFrontJoint'} & set(found)
-
-
 def find(element, given):
     return drive_tags.find(urdf.root_of(robot(element)), 0.001, lambda namespace: given)
 
@@ -144,16 +138,6 @@ def test_plugins_that_run_controllers(library):
     assert find(plugin('gazebo_ros_p3d'), controllers()) is None
 
 
-def test_the_advice_names_all_that_is_simulated():
-    assert drive_tags.ADVICE.split(': ', 1)[1] == (
-        'libgazebo_ros_diff_drive, libgazebo_ros_skid_steer_drive, libgazebo_ros_planar_move, '
-        'and of controllers whose parameters are loaded before the node starts, '
-        'diff_drive_controller/DiffDriveController, '
-        'mecanum_drive_controller/MecanumDriveController, '
-        'robot_controllers/DiffDriveBaseController; else set left_joint and right_joint to the '
-        'joints of its wheels')
-
-
 def test_the_first_drive_counts_and_a_plugin_more_than_a_controller():
     planar, skid = plugin('gazebo_ros_planar_move'), plugin('gazebo_ros_skid_steer_drive')
     assert values(planar, skid)['drive'] == 'planar' and 'drive' not in values(skid, planar)
@@ -163,14 +147,6 @@ def test_the_first_drive_counts_and_a_plugin_more_than_a_controller():
 @pytest.mark.parametrize('given', [{}, {'base': controllers()['base']}])
 def test_no_controller_without_the_plugin_that_runs_them(given):
     assert 'left_joint' not in values(given=given)
-
-
-def test_what_else_is_controlled_is_a_warning():
-    jerky = controllers(linear={'x': {'has_jerk_limits': True}})
-    read = source(robot(CONTROL), {**jerky, 'joints': JOINT_STATES, 'arm': ARM})
-    assert read.warnings[-1] == (
-        'robot.urdf: not simulated, of its controllers: jerk limits of controller base, '
-        'controller arm (position_controllers/JointPositionController)')
 
 
 @pytest.mark.parametrize('elements, given, wanted', [

@@ -51,14 +51,6 @@ def test_a_model_in_a_folder_above(folder):
     assert places(contents) == {'table': [0, 0, 1]}
 
 
-def test_name_pose_and_static_of_an_include(folder):
-    contents = read(folder, include('model://table', '<name>second</name>'
-                                    '<pose>1 2 0 0 0 0</pose><static>true</static>'),
-                    include('model://table'))
-    assert places(contents) == {'second': [1, 2, 1], 'table': [0, 0, 1]}
-    assert [tree.fixed for tree in contents.trees] == [True, False]
-
-
 @pytest.mark.parametrize('uri', ['../models/table', '../models/table/model.sdf',
                                  'file://../models/table', 'model:///table', 'model://table/'])
 def test_ways_to_name_a_model(folder, uri):
@@ -158,12 +150,6 @@ def test_a_model_without_what_it_includes_is_loaded(folder, inside):
     contents = read(folder, include('model://nested'), '<model name="hall">' + include(
         'model://chair') + inside + '</model>', problems=['model://sofa', 'model://chair'])
     assert list(places(contents)) == (['room', 'hall'] if inside else [])
-
-
-def test_a_light_is_not_loaded(folder):
-    (folder / 'models' / 'table' / 'model.sdf').write_text('<sdf><light name="s"/></sdf>')
-    contents = read(folder, include('model://table'))
-    assert contents.trees == ()
 
 
 def test_two_files_that_include_each_other(folder):
@@ -284,15 +270,6 @@ def test_gravity(folder, inside, gravity):
     contents = read(folder, inside)
     assert contents.gravity == gravity
     assert contents.trees == ()
-
-
-def test_file_names_in_models_are_relative_to_their_file(folder):
-    (folder / 'worlds' / 'top.stl').write_text('')
-    link = ('<link name="l"><visual name="c"><geometry><mesh><filename> top.stl </filename></mesh>'
-            '</geometry></visual></link>')
-    tree, = read(folder, '<model name="m"><model name="n">{}</model></model>'.format(link)).trees
-    look, = tree.model.links[0].looks
-    assert look.shape.path == str(folder / 'worlds' / 'top.stl')
 
 
 def test_a_model_config_with_odd_entries(folder):

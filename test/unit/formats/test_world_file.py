@@ -123,17 +123,6 @@ def test_what_starts_in_the_floor_is_lifted_onto_it_at_rest(read):
     assert [body.pose().position[2] for body in world.bodies] == pytest.approx(heights)
 
 
-@pytest.mark.parametrize('text, gravity', [
-    ('', (0, 0, -9.8)), ('<gravity>0 0 -1.62</gravity>', (0, 0, -1.62)),
-    ('<physics type="ode"><gravity>0 0.5 -2</gravity></physics>', (0, 0.5, -2))])
-def test_gravity_is_that_of_the_world(read, text, gravity):
-    file = read(sdf(text, CRATE.format('0 0 5 0 0 0'), version='1.5'))
-    assert file.gravity == gravity
-    world = build(file)
-    world.step(100)
-    assert world.bodies[0].motion().linear == pytest.approx(np.array(gravity) * 0.1, rel=0.02)
-
-
 def test_refuses_a_urdf_with_two_roots_which_would_crash_pybullet(read):
     links = '<robot name="w"><link name="a"/><link name="b"/><link name="c"/>{}</robot>'
     joint = '<joint name="{0}" type="fixed"><parent link="a"/><child link="{0}"/></joint>'

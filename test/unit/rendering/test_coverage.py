@@ -25,6 +25,13 @@ def seen(low, high, pose=np.eye(4)):
     return coverage.rectangles(corners, to_clip(pose), NEAR)[0]
 
 
+def test_a_point_before_the_camera_has_a_negative_z_in_its_view():
+    pose = matrices.from_poses(np.array([[1.0, -2.0, 0.5, 0.1, -0.3, 0.3, 0.9]]))[0]
+    # x forward, y to the left, z up becomes x to the right, y up, z backward
+    assert np.allclose(matrices.view(pose) @ pose @ (4.0, 1.0, 2.0, 1.0), (-1.0, 2.0, -4.0, 1.0))
+    assert np.allclose(matrices.inverse(pose) @ pose, np.eye(4))
+
+
 def test_a_box_ahead():
     # the near face decides: its half width is 1 at 2 m, where the image is 2 tan(30 deg) wide
     _, slope_x, _, slope_y = CAMERA.window

@@ -17,6 +17,13 @@ def camera(lens, fov=2.0, size=(64, 48)):
     return Camera(*size, fov, lens=lens)
 
 
+def test_the_intrinsics_and_the_window_of_a_pinhole_camera():
+    fx, fy, cx, cy = Camera(640, 480, math.radians(60)).intrinsics
+    assert fx == fy == pytest.approx(320 / math.tan(math.radians(30)))
+    assert (cx, cy) == (319.5, 239.5)
+    assert Camera(640, 480, math.radians(90)).window == pytest.approx((-1.0, 1.0, -0.75, 0.75))
+
+
 def matrix(model):
     fx, fy, cx, cy = model.intrinsics
     return np.array([[fx, 0, cx], [0, fy, cy], [0, 0, 1]])

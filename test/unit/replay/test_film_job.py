@@ -231,11 +231,6 @@ def test_a_bag_that_is_refused(tmp_path, refused, content, problem):
     assert re.match(problem.format(path), line) and '\n' not in line
 
 
-def test_a_file_that_is_no_bag(refused, tmp_path):
-    assert refused(__file__, tmp_path / 'out.mp4').endswith(
-        'as a bag: This does not appear to be a bag file' + WANTED)
-
-
 def test_colors_that_are_refused(bag, tmp_path, refused):
     path = tmp_path / 'colors.yaml'
     path.write_text('blue_hue_min: -7')
