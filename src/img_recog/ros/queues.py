@@ -26,6 +26,8 @@ class LatestValue:
 
     def take(self, timeout_s: float = 0.0) -> Optional[Any]:
         """Remove and return the item, waiting up to `timeout_s` for it; None if there is none."""
+        if timeout_s <= 0 and self._item is None:       # without the lock, which takes longer
+            return None
         with self._condition:
             self._condition.wait_for(lambda: self._item is not None or self._is_woken, timeout_s)
             item, self._item, self._is_woken = self._item, None, False

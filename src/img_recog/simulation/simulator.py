@@ -130,6 +130,8 @@ class Simulator:
         """Return the readings of the sensors that are due now."""
         due = [(carrier.robot.name, scheduled) for carrier in self._carriers
                for scheduled in carrier.due_sensors(self._steps)]
+        if not due:         # most often
+            return []
         values = _read_together([scheduled.sensor for _, scheduled in due])
         return [Reading(robot, scheduled.name, scheduled.kind, self.time_s, value)
                 for (robot, scheduled), value in zip(due, values)]

@@ -15,8 +15,8 @@ from img_recog.simulation.simulation_settings import SpawnSettings, whole_steps
 class Vehicle(Carrier):
     """Drives one robot and reads its sensors; the simulator advances the physics.
 
-    drive: what moves it; lift: how far it was moved upward, onto what it was in, when it was last
-    put somewhere.
+    drive: what moves it; odometry: the settings of that, the defaults for a robot without one;
+    lift: how far it was moved upward, onto what it was in, when it was last put somewhere.
     """
 
     def __init__(self, spec: RobotSpec, world: World):
@@ -31,6 +31,8 @@ class Vehicle(Carrier):
                                world.physics_client_id)
         super().__init__(spec, world, robot, self.drive)
         self.robot: SimulatedRobot = robot
+        self.odometry = cast(OdometrySettings,
+                             self.settings.sensors.get('odometry') or OdometrySettings())
         self._lift()
         self._drive_steps = whole_steps('drive_period_s', settings.drive.drive_period_s,
                                         world.step_s)
@@ -44,11 +46,6 @@ class Vehicle(Carrier):
         linear_y: to the left in m/s, for a drive that can.
         """
         self.drive.command(linear_x, angular_z, linear_y)
-
-    @property
-    def odometry(self) -> OdometrySettings:
-        """The settings of the odometry, the defaults for a robot without one."""
-        return cast(OdometrySettings, self.settings.sensors.get('odometry', OdometrySettings()))
 
     @property
     def odometry_origin(self) -> Tuple[float, float, float]:

@@ -17,7 +17,7 @@ class SimulatedClock:
     def __init__(self, simulator: Simulator, pace: Pace):
         """Advertise; log a warning if another node publishes /clock."""
         self._simulator, self._pace = simulator, pace
-        self._times = DirectPublisher('/clock', Clock, latch=True)
+        self._times, self._msg = DirectPublisher('/clock', Clock, latch=True), Clock()
         self._factors = rospy.Publisher('~real_time_factor', Float64, queue_size=1, latch=True)
         name = rospy.get_name()
         others = sorted(set(master.calls().state().published.get('/clock', ())) - {name})
@@ -27,9 +27,9 @@ class SimulatedClock:
 
     def add(self) -> None:
         """Set the time of this node, and let the next flush publish it."""
-        now = robot_msgs.stamp_of(self._simulator.time_s)
+        now = self._msg.clock = robot_msgs.stamp_of(self._simulator.time_s)
         own_time.set_time(now)
-        self._times.add(Clock(now))
+        self._times.add(self._msg)
 
     def flush(self) -> None:
         """Publish the times that were added."""

@@ -96,6 +96,8 @@ class DirectPublisher:
     def flush(self) -> None:
         """Send what was added since the last call."""
         buffer, topic = self._buffer, self._publisher.impl
+        if not buffer.tell():
+            return
         lock = None if topic is None else topic.publock     # None: rospy has closed the topic
         if lock is None:
             return

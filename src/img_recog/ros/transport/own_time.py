@@ -26,4 +26,4 @@ def set_time(now: genpy.Time) -> None:
         condition = rospy.rostime._rostime_cond
         # by its old name, rospy calls it with a warning, which takes longer than the rest
         condition.notifyAll = condition.notify_all
-        rospy.rostime._set_rostime(rospy.Time(now.secs, now.nsecs))
+        rospy.rostime._set_rostime(now)     # it makes a copy
