@@ -113,19 +113,6 @@ def video(*steps, **attributes):
     return steps, dict({'rate_hz': 8.0}, **attributes)
 
 
-def test_frames_of_a_device_are_passed_on_as_they_arrive(clock):
-    rig = Rig(clock, device(0.125, 0.25, 0.0625, GONE))
-    assert rig.run()[:4] == [('opened', 0.0), ('frame', 0.125), ('frame', 0.375),
-                             ('frame', 0.4375)]
-
-
-def test_frames_of_a_video_are_paced(clock):
-    rig = Rig(clock, video(0.0, 0.03125, 0.0, 0.0625, SourceError('end')))
-    rig.run()
-    assert [call for call in rig.listener.calls if call[0] == 'frame'] == [
-        ('frame', 0.0), ('frame', 0.125), ('frame', 0.25), ('frame', 0.375)]
-
-
 def test_frames_with_times_are_passed_on_at_them(clock):
     times = [0.0, 0.5, 0.53125, 0.5625, 1.0, 1.5]
 
@@ -155,25 +142,20 @@ def test_subscribers_get_a_frame_before_the_next_one_is_decoded(clock):
         0.015625 + 0.125 * number for number in range(6)]
 
 
-def test_lost_device_is_reported_once_closed_and_retried_with_a_growing_delay(clock):
-    missing = [SourceError('no such device')] * 6
-    rig = Rig(clock, device(0.125, GONE), *missing, device(0.125, GONE))
+@pytest.mark.parametrize('between, waits', [
+    # from the start again after it was back
+    ([SourceError('no such device')] * 6, [0.5, 1.0, 2.0, 4.0, 5.0, 5.0, 5.0, 0.5]),
+    # it opens, but gives no frame
+    ([device(GONE)] * 2, [0.5, 1.0, 2.0, 0.5])])
+def test_lost_device_is_reported_once_closed_and_retried_with_a_growing_delay(
+        clock, between, waits):
+    rig = Rig(clock, device(0.125, GONE), *between, device(0.125, GONE))
     calls = rig.run()
-    assert [call[:2] for call in calls if call[0] == 'lost'] == [
-        ('lost', 'unplugged'), ('lost', 'unplugged')]
-    assert rig.waits[:7] == [0.5, 1.0, 2.0, 4.0, 5.0, 5.0, 5.0]
-    assert rig.waits[7] == 0.5      # from the start again after it was back
+    assert [call[:2] for call in calls if call[0] == 'lost'] == [('lost', 'unplugged')] * 2
+    assert rig.waits[:len(waits)] == waits
     assert rig.listener.names()[:6] == [
         'opened', 'frame', 'lost', 'opened', 'reconnected', 'frame']
-    assert [source.closed for source in rig.opened] == [1, 1]
-
-
-def test_device_that_opens_but_gives_no_frame_is_still_lost(clock):
-    rig = Rig(clock, device(0.125, GONE), device(GONE), device(GONE), device(0.125, GONE))
-    rig.run()
-    assert rig.listener.names()[:6] == [
-        'opened', 'frame', 'lost', 'opened', 'reconnected', 'frame']
-    assert rig.waits[:3] == [0.5, 1.0, 2.0]
+    assert all(source.closed == 1 for source in rig.opened)
 
 
 @pytest.mark.parametrize('timeout_s, said', [(1.5, '1.6'), (2.0, '2.1')])
@@ -213,6 +195,13 @@ def test_check_between_reads_detects_nothing(clock):
 
 
 @pytest.mark.parametrize('opening, calls', [
+    # frames of a device are passed on as they arrive, and those of a video are paced
+    (device(0.125, 0.25, 0.0625, SourceEnded('over')), [
+        ('opened', 0.0), ('frame', 0.125), ('frame', 0.375), ('frame', 0.4375),
+        ('ended', 'over', 0.4375)]),
+    (video(0.0, 0.03125, 0.0, 0.0625, SourceEnded('over')), [
+        ('opened', 0.0), ('frame', 0.0), ('frame', 0.125), ('frame', 0.25), ('frame', 0.375),
+        ('ended', 'over', 0.375)]),
     (SourceError('missing'), [('failed', 'missing', True, 0.0)]),
     (video(0.0, SourceError('moved')), [
         ('opened', 0.0), ('frame', 0.0), ('failed', 'moved', False, 0.0)]),

@@ -1,5 +1,6 @@
 """The frame source that video_device names."""
 import os
+import re
 
 import cv2
 import numpy as np
@@ -162,23 +163,16 @@ def test_folder_that_is_emptied_ends(tmp_path):
         source.read()
 
 
-@pytest.mark.parametrize('loop', [True, False])
-def test_truncated_video_is_one_warning(make_video, loop):
-    path, warnings = make_video(frames=60), []
-    size = os.path.getsize(path)
-    os.truncate(path, size // 2)
-    source = open_source(UsbCamSettings(video_device=path, loop=loop), warn=warnings.append)
-    count = 0
-    try:
-        while count < 100:
-            source.read()
-            count += 1
-    except SourceEnded:
-        assert not loop and 10 < count < 50
-    assert len(warnings) == 1
-    assert warnings[0].startswith('the video {} breaks off after '.format(path))
-    assert warnings[0].endswith(' of 60 frames: truncated or damaged')
+def test_truncated_video_is_one_warning(make_video):
+    path, lines = make_video(frames=60), []
+    os.truncate(path, os.path.getsize(path) // 2)
+    source = open_source(UsbCamSettings(video_device=path), warn=lines.append)
+    for _ in range(100):        # in a loop
+        source.read()
     source.close()
+    line, = lines
+    assert re.match('the video {} breaks off after [1-4]. of 60 frames: truncated or damaged$'
+                    .format(path), line)
 
 
 def test_other_url_is_refused_with_the_known_schemes():

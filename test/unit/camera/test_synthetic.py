@@ -10,14 +10,7 @@ from img_recog.camera.synthetic import (BLUE_FRAMES, PERIOD_FRAMES, RED_FRAMES, 
 from img_recog.recognition.areas import ColorExtractor
 from img_recog.recognition.recognition_settings import with_colors
 
-SIZES = [(320, 240), (640, 480), (1920, 1080), (333, 77)]
-KEY_FRAMES = {
-    'empty': (0, 29, 90, 135, 179, 240, 299),
-    'blue': (30, 31, 32, 33, 34, 60, 88, 89),
-    'red': (180, 181, 182, 183, 184, 210, 238, 239),
-}
-
-
+KEY_FRAMES = {'empty': (0, 29, 90), 'blue': (30, 31, 32, 33, 34, 89), 'red': (180, 239)}
 SETTINGS = with_colors()()
 
 
@@ -39,13 +32,18 @@ def test_every_pixel_is_as_it_was():
 
 
 def test_cards_have_at_least_20000_px_of_their_color_and_other_frames_have_none():
+    measured = {}       # most frames are equal
     for number in range(PERIOD_FRAMES):
-        blue, red = areas_px(draw_frame(number))
+        frame = draw_frame(number)
+        content = zlib.crc32(frame.tobytes())
+        if content not in measured:
+            measured[content] = areas_px(frame)
+        blue, red = measured[content]
         assert (blue >= 20000) if number in BLUE_FRAMES else (blue == 0), number
         assert (red >= 20000) if number in RED_FRAMES else (red == 0), number
 
 
-@pytest.mark.parametrize('width, height', SIZES)
+@pytest.mark.parametrize('width, height', [(320, 240), (1920, 1080), (333, 77)])
 def test_every_size_shows_the_cards_in_proportion(width, height):
     enough = 20000 * width * height / (640 * 480) * 0.95
     for card, numbers in KEY_FRAMES.items():
@@ -74,7 +72,7 @@ def test_card_moves_in_and_out_in_mirrored_steps():
         assert not np.array_equal(earlier, later)
 
 
-@pytest.mark.parametrize('width, height', [(640, 480), (320, 240)])
+@pytest.mark.parametrize('width, height', [(320, 240), (64, 48)])
 def test_source_yields_the_frames_of_the_scene_in_order(width, height):
     source = SyntheticSource(width, height, 15.0)
     assert (source.width, source.height, source.rate_hz) == (width, height, 15.0)
