@@ -122,19 +122,14 @@ def test_overlap_at_the_start_names_the_options(option_name, names):
     assert warning.endswith('set ' + names)
 
 
-def test_warnings_of_the_world_file_come_first(tmp_path):
-    path = tmp_path / 'hall.world'
-    path.write_text('<sdf version="1.6"><world name="w"><include><uri>model://table</uri>'
-                    '</include><model name="m"><link name="l"/></model></world></sdf>')
-    warnings = assemble(str(path), urdf=burger(UNIT),
-                        allow_partial=True).warnings
+def test_warnings_of_the_world_file_come_first():
+    world = sdf('<include><uri>model://table</uri></include>')
+    warnings = assemble(world, urdf=burger(UNIT), allow_partial=True).warnings
     assert len(warnings) == 3 and 'model://table' in warnings[0] and 'imu' in warnings[1]
 
 
-def test_warns_of_what_was_lifted_out_of_the_floor(tmp_path):
-    path = tmp_path / 'hall.world'
-    path.write_text(sdf(BUILT_IN, CRATE.format('2 0 0 0 0 0')))
-    assert assemble(str(path)).warnings == (
+def test_warns_of_what_was_lifted_out_of_the_floor():
+    assert assemble(sdf(BUILT_IN, CRATE.format('2 0 0 0 0 0'))).warnings == (
         'world hall: at the start in the floor, and lifted onto it: crate by 0.100 m',)
 
 

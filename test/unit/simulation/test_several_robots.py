@@ -5,10 +5,11 @@ import numpy as np
 import pybullet
 import pytest
 
-from img_recog.errors import SimulationError
 from img_recog.formats import world_file
 from img_recog.simulation import assembly
 from img_recog.simulation.simulation_settings import PhysicsSettings
+from img_recog_helpers import sdf
+from img_recog_helpers.refusals import refusal
 from img_recog_helpers.robots import WORLDS, burger, burgers, read
 from img_recog_helpers.robots import settings_of as settings
 
@@ -76,10 +77,8 @@ def test_two_that_meet_see_each_other_in_their_scans(mesh, tmp_path):
         (tmp_path / 'a.obj').write_text('v 9 9 9\nv 9 9 8\nv 9 8 9\nv 8 9 9\nf 1 2 3\nf 1 2 4\n'
                                         'f 1 3 4\nf 2 3 4\n')
         world = str(tmp_path / 'w.sdf')
-        (tmp_path / 'w.sdf').write_text(
-            '<sdf version="1.6"><model name="m"><static>true</static><link name="l"><collision '
-            'name="c"><geometry><mesh><uri>{}</uri></mesh></geometry></collision></link></model>'
-            '</sdf>'.format(tmp_path / 'a.obj'))
+        (tmp_path / 'w.sdf').write_text(sdf.sdf(sdf.BUILT_IN, sdf.body(
+            'm', '', '<mesh><uri>a.obj</uri></mesh>', static=True)))
     exact = burgers('scan', scan_noise=0.0)
     # the scanner is 0.032 m behind the root link; it is a cylinder of radius 0.055 m, whose axis
     # is 0.015 m before the point where its rays begin
@@ -135,57 +134,46 @@ def test_places_are_free_and_inside_of_the_walls():
 
 
 def test_no_place_is_refused_and_leaves_nothing(tmp_path):
-    cell = tmp_path / 'cell.sdf'
-    walls = ''.join(
-        '<link name="l{}"><pose>{} {} 0.5 0 0 {}</pose><collision name="c"><geometry><box><size>'
-        '0.1 1.3 1</size></box></geometry></collision></link>'.format(
-            number, 0.6 * math.cos(turn), 0.6 * math.sin(turn), turn)
-        for number, turn in enumerate(np.arange(4) * math.pi / 2))
-    cell.write_text('<sdf version="1.6"><model name="cell"><static>true</static>{}</model></sdf>'
-                    .format(walls))
-    sim = several([], str(cell))
+    walls = (sdf.link('l{}'.format(turn), '{} {} 0.5 0 0 {}'.format(
+        0.6 * math.cos(turn), 0.6 * math.sin(turn), turn), sdf.box(0.1, 1.3, 1))
+        for turn in np.arange(4) * math.pi / 2)
+    (tmp_path / 'cell.sdf').write_text(sdf.sdf(sdf.BUILT_IN, sdf.model(
+        'cell', *walls, static=True)))
+    sim = several([], str(tmp_path / 'cell.sdf'))
     assembly.add_robot_apart(sim, spec('a', 0.0, 0.0, has_place=False))
     count = pybullet.getNumBodies(physicsClientId=sim.world.physics_client_id)
-    with pytest.raises(SimulationError, match='cannot use the robot in b: there is no free place '
-                                              'for it near x 0 m, y 0 m'):
-        assembly.add_robot_apart(sim, spec('b', 0.0, 0.0, has_place=False))
+    assert refusal(assembly.add_robot_apart, sim, spec('b', 0.0, 0.0, has_place=False)).startswith(
+        'cannot use the robot in b: there is no free place for it near x 0 m, y 0 m')
     assert len(sim.vehicles) == 1
     assert pybullet.getNumBodies(physicsClientId=sim.world.physics_client_id) == count
 
 
 def test_a_search_that_begins_in_a_wall_is_refused():
     sim = several([])
-    with pytest.raises(SimulationError, match='x 0 m, y 0.1 m, where the search for a free place '
-                                              'begins, is too near to a wall'):
-        assembly.add_robot_apart(sim, spec('a', 0.0, 0.1, has_place=False))
+    assert 'x 0 m, y 0.1 m, where the search for a free place begins, is too near to a wall' in (
+        refusal(assembly.add_robot_apart, sim, spec('a', 0.0, 0.1, has_place=False)))
     assert sim.vehicles == []
 
 
-def test_places_that_are_too_far_away_are_not_free():
+# 0.25 m is too near to another one; what is beyond 1000 m is no place
+@pytest.mark.parametrize('start, offsets', [
+    ((3.0, -2.0), [(0, 0), (-0.5, 0), (0, -0.5), (0, 0.5), (0.5, 0), (-0.5, -0.5), (-0.5, 0.5),
+                   (0.5, -0.5), (0.5, 0.5)]),
+    ((1000.0, 1000.0), [(0, 0), (-0.5, 0), (0, -0.5), (-0.5, -0.5)])])
+def test_places_are_the_nearest_in_all_directions(start, offsets):
     sim = several([], 'empty')
-    for name in ('a', 'b', 'c', 'd'):
-        assembly.add_robot_apart(sim, spec(name, 1000.0, 1000.0, has_place=False))
-    places = [(each.settings.spawn.x_pos, each.settings.spawn.y_pos) for each in sim.vehicles]
-    assert len(set(places)) == 4 and max(map(max, places)) == 1000.0
-
-
-def test_places_are_the_nearest_in_all_directions():
-    sim = several([], 'empty')
-    for number in range(9):
-        assembly.add_robot_apart(sim, spec(str(number), 3.0, -2.0, has_place=False))
-    places = [(each.settings.spawn.x_pos - 3, each.settings.spawn.y_pos + 2)
-              for each in sim.vehicles]
-    # 0.25 m is too near to another one
-    assert places == [(0, 0), (-0.5, 0), (0, -0.5), (0, 0.5), (0.5, 0), (-0.5, -0.5), (-0.5, 0.5),
-                      (0.5, -0.5), (0.5, 0.5)]
+    for number in range(len(offsets)):
+        assembly.add_robot_apart(sim, spec(str(number), *start, has_place=False))
+    spawns = [each.settings.spawn for each in sim.vehicles]
+    assert [(each.x_pos - start[0], each.y_pos - start[1]) for each in spawns] == offsets
 
 
 @pytest.mark.parametrize('place, other', [((-2.0, -0.45), 'a'), ((0.0, 0.1), 'turtlebot3_world')])
 def test_a_given_place_inside_of_something_is_refused(place, other):
     sim = several([])
     assembly.add_robot_apart(sim, spec('a', -2.0, -0.5))
-    with pytest.raises(SimulationError, match='would start inside of {}'.format(other)):
-        assembly.add_robot_apart(sim, spec('b', *place))
+    assert 'would start inside of ' + other in refusal(
+        assembly.add_robot_apart, sim, spec('b', *place))
     assert [vehicle.robot.name for vehicle in sim.vehicles] == ['a']
 
 
@@ -194,9 +182,8 @@ def test_a_robot_that_fails_leaves_nothing():
     count, revision = pybullet.getNumBodies(
         physicsClientId=sim.world.physics_client_id), sim.world.revision
     for urdf, nearest in ((burger('').replace('wheel_left_joint', 'axle'), 0.1), (burger(), 4.0)):
-        with pytest.raises(SimulationError, match='cannot use the robot in b: '):
-            assembly.add_robot(sim, spec('b', 1.0, 1.0, urdf=urdf,
-                                         scan=burgers('scan', scan_range_min=nearest)))
+        robot = spec('b', 1.0, 1.0, urdf=urdf, scan=burgers('scan', scan_range_min=nearest))
+        assert refusal(assembly.add_robot, sim, robot).startswith('cannot use the robot in b: ')
     assert pybullet.getNumBodies(physicsClientId=sim.world.physics_client_id) == count
     assert len(sim.vehicles) == 1 and sim.world.revision == revision
 

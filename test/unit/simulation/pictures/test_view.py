@@ -12,8 +12,14 @@ from img_recog.simulation.physics.client import connect
 from img_recog.simulation.pictures import view, window
 from img_recog.simulation.pictures.scene import SceneCopy, poses_of, scene_of
 from img_recog.simulation.pictures.view import ABOVE, FIELD_OF_VIEW, follow
-from img_recog_helpers import robots, wheeled
-from img_recog_helpers.sdf import BUILT_IN, SHELF, sdf
+from img_recog_helpers import robots, sdf, wheeled
+
+
+def shelf(x, y, z=1.0, *size):
+    """Return a static box; size: in m, 0.2 high and 0.8 in each direction by default."""
+    sides = (*size, *(0.8, 0.8, 0.2)[len(size):])
+    return sdf.body('shelf{}{}'.format(x, y), '{} {} {}'.format(x, y, z), sdf.box(*sides), True)
+
 
 LEFT = (0.0, 0.0, np.sqrt(0.5), np.sqrt(0.5))       # a quarter turn
 
@@ -45,60 +51,51 @@ def helpers(monkeypatch, clock):
     return FakeHelper.made
 
 
-def test_viewpoints():
-    assert ABOVE == ((0.8, 0.0, 0.0), 12.0, -90.0, -89.99)
-    viewpoint = follow(Pose((1.0, 2.0, 3.0), LEFT, ()))
-    assert viewpoint.target == (1.0, 2.0, 3.0)
-    assert viewpoint[1:] == pytest.approx((1.3, 0.0, -68.0))
+def above(*inside):
+    """Return the view above a world of these elements."""
+    return view.above(sdf.world(*inside))
 
 
-def in_world(tmp_path, *inside):
-    (tmp_path / 'hall.world').write_text(sdf(*inside))
-    return view.above(robots.assemble(str(tmp_path / 'hall.world'), x=50.0).simulator.world)
+def camera(pose):
+    return '<gui><camera name="user_camera"><pose>{}</pose></camera></gui>'.format(pose)
 
 
 @pytest.mark.parametrize('pose', [
-    (0.8, 0.0, 12.0, 0, 1.5708, 0), (0.0, 0.0, 17.0, 0, 1.5708, 0),
-    (2.7696, -1.93094, 6.71513, 0, 1.1618, 2.27182), (1, 2, 17, 0, 1.5708, 1.0)])
-def test_the_view_above_is_that_of_gazebos_user_camera(tmp_path, pose):
-    found = in_world(tmp_path, '<gui><camera name="user_camera"><pose>{} {} {} {} {} {}</pose>'
-                     '</camera></gui>'.format(*pose)).pose()
-    wanted = transform(pose[:3], pose[3:])
+    '0.8 0 12 0 1.5708 0', '0 0 17 0 1.5708 0', '2.7696 -1.93094 6.71513 0 1.1618 2.27182',
+    '1 2 17 0 1.5708 1.0'])
+def test_the_view_above_is_that_of_gazebos_user_camera(pose):
+    numbers = tuple(map(float, pose.split()))
+    found, wanted = above(camera(pose)).pose(), transform(numbers[:3], numbers[3:])
     assert found[:3, 3] == pytest.approx(wanted.translation, abs=0.01)
     assert found[:3, :3] == pytest.approx(wanted.rotation, abs=1e-3)
 
 
-def test_a_user_camera_that_looks_upward_or_is_far_away(tmp_path):
-    camera = '<gui><camera name="user_camera"><pose>{}</pose></camera></gui>'
-    assert in_world(tmp_path, camera.format('0 0 1 0 -0.5 0')).distance == 50.0
-    assert in_world(tmp_path, camera.format('0 0 1e5 0 1.5708 0')).distance == 50.0
-    near = in_world(tmp_path, camera.format('0 0 5 0 1.5708 0'), SHELF)
-    assert near.distance == pytest.approx(6)
-    assert in_world(tmp_path, camera.format('0 0 5 0 1.5 0'), SHELF).distance < 5.1
-    assert in_world(tmp_path, camera.format('0 0 -1 0 1.5708 0')).distance == 0.5
-    turned = in_world(tmp_path, camera.format('0 0 5 0 1.5708 1'), SHELF)
-    assert (turned.distance, turned.yaw) == pytest.approx((5, np.degrees(1) - 90), abs=0.01)
+# that looks upward or is far away, over a shelf, or from below the floor
+@pytest.mark.parametrize('pose, models, distance', [
+    ('0 0 1 0 -0.5 0', '', 50.0), ('0 0 1e5 0 1.5708 0', '', 50.0),
+    ('0 0 5 0 1.5708 0', shelf(1, 2), 6), ('0 0 5 0 1.5 0', shelf(1, 2), 5.0125),
+    ('0 0 -1 0 1.5708 0', '', 0.5), ('0 0 5 0 1.5708 1', shelf(1, 2), 5)])
+def test_how_far_away_a_user_camera_is(pose, models, distance):
+    found = above(camera(pose), models)
+    assert found.distance == pytest.approx(distance, rel=1e-3)
+    if pose.endswith(' 1'):
+        assert found.yaw == pytest.approx(np.degrees(1) - 90, abs=0.01)
 
 
-def test_without_a_user_camera_it_shows_all_that_stands_in_the_world(tmp_path):
-    def shelf(x, y):
-        return SHELF.replace('1 2 1 0 0 0', '{} {} 1 0 0 0'.format(x, y)).replace(
-            'shelf', 'shelf{}'.format(abs(x + y)))
-    assert in_world(tmp_path, BUILT_IN) == ABOVE
-    assert in_world(tmp_path, shelf(-3, 0), shelf(4, 5)) == ABOVE
+def test_without_a_user_camera_it_shows_all_that_stands_in_the_world():
+    assert above(sdf.BUILT_IN) == above(shelf(-3, 0), shelf(4, 5)) == ABOVE
     # to 4.7 m from x 0.8, and to 6.3 m from y 0
     for place in ((4.4, 0), (0, 5.7), (0, -5.7)):
-        assert in_world(tmp_path, shelf(*place)) == ABOVE
+        assert above(shelf(*place)) == ABOVE
     for place in ((-3.6, 0), (5.5, 0), (0, 6.3), (0, -6.3)):
-        assert in_world(tmp_path, shelf(*place)) == ABOVE._replace(target=(
+        assert above(shelf(*place)) == ABOVE._replace(target=(
             pytest.approx(place[0], abs=0.01), pytest.approx(place[1], abs=0.01), 0.0))
-    found = in_world(tmp_path, shelf(-3, 0), shelf(9, 6))
+    found = above(shelf(-3, 0), shelf(9, 6))
     assert found == ABOVE._replace(target=(pytest.approx(3.0, abs=0.1), pytest.approx(
         3.0, abs=0.1), 0.0), distance=16.0)
-    assert in_world(tmp_path, shelf(-300, 0), shelf(90, 60)).distance == 300.0
-    plane = SHELF.replace('0.8 0.8 0.2', '99 99 0.01').replace('1 2 1 0 0 0', '0 0 0 0 0 0')
-    assert in_world(tmp_path, plane) == ABOVE
-    assert in_world(tmp_path, plane.replace('99 99 0.01', '99 99 0.1')).distance > 50
+    assert above(shelf(-300, 0), shelf(90, 60)).distance == 300.0
+    assert above(shelf(0, 0, 0, 99, 99, 0.01)) == ABOVE
+    assert above(shelf(0, 0, 0, 99, 99, 0.1)).distance > 50
 
 
 @pytest.mark.parametrize('pose, far', [
@@ -110,25 +107,19 @@ def test_the_picture_reaches_to_the_floor_in_all_of_it(pose, far):
     assert found == pytest.approx((far / 1200, far), rel=1e-4)
 
 
-def roof_above(tmp_path, *boxes):
-    shelves = [SHELF.replace('shelf', 'shelf{}'.format(number)).replace(
-        '0.8 0.8 0.2', size).replace('1 2 1 0 0 0', place + ' 0 0 0')
-        for number, (size, place) in enumerate(boxes)]
-    (tmp_path / 'hall.world').write_text(sdf(*shelves))
-    simulator = robots.assemble(str(tmp_path / 'hall.world')).simulator
-    return view.ceiling(simulator.world, [simulator.vehicles[0].robot])
-
-
-def test_the_view_ends_under_the_lowest_roof_above_a_robot(tmp_path):
-    roof, upper = ('9 9 0.2', '0 0 3'), ('9 9 0.2', '0 0 6')
-    table, beam = ('9 9 0.1', '0 0 0.8'), ('0.5 9 0.2', '0 0 2')
-    assert roof_above(tmp_path, upper, table, roof) == pytest.approx(2.9, abs=0.05)
-    assert roof_above(tmp_path, ('9 9 0.2', '0 0 1.9')) == pytest.approx(1.78, abs=0.01)
-    # to 1.2 m on each side
-    assert roof_above(tmp_path, ('2.4 2.4 0.2', '0 0 2')) == pytest.approx(1.88, abs=0.01)
-    lacks = [(('9 9 0.2', place),) for place in ('-3.6 0 2', '3.6 0 2', '0 -3.6 2', '0 3.6 2')]
-    for others in ((), (table,), (beam,), (('9 9 0.2', '20 0 3'),), *lacks):
-        assert roof_above(tmp_path, *others) == np.inf
+@pytest.mark.parametrize('boxes, height', [
+    ([(0, 0, 6, 9, 9), (0, 0, 0.8, 9, 9, 0.1), (0, 0, 3, 9, 9)], 2.88),
+    ([(0, 0, 1.9, 9, 9)], 1.78),
+    ([(0, 0, 2, 2.4, 2.4)], 1.88),      # to 1.2 m on each side
+    ([], np.inf), ([(0, 0, 0.8, 9, 9, 0.1)], np.inf),       # a table
+    ([(0, 0, 2, 0.5, 9)], np.inf), ([(20, 0, 3, 9, 9)], np.inf),        # a beam; beside it
+    *(([(x, y, 2, 9, 9)], np.inf) for x, y in ((-3.6, 0), (3.6, 0), (0, -3.6), (0, 3.6)))])
+def test_the_view_ends_under_the_lowest_roof_above_a_robot(boxes, height):
+    shelves = (shelf(*box).replace('shelf', 'shelf{}'.format(number))
+               for number, box in enumerate(boxes))
+    simulator = robots.simulator(sdf.sdf(*shelves))
+    assert view.ceiling(simulator.world, [simulator.vehicles[0].robot]) == pytest.approx(
+        height, abs=0.01)
 
 
 def test_the_pose_of_a_viewpoint():

@@ -5,8 +5,7 @@ import numpy as np
 import pytest
 
 from img_recog.errors import SimulationError
-from img_recog.model import BOX, CYLINDER, MESH, PLANE, SPHERE, WHITE, Material, Shape
-from img_recog.rendering import matrices
+from img_recog.model import BOX, MESH, PLANE, SPHERE, WHITE, Material, Shape
 from img_recog.simulation.pictures import visual_scene
 from img_recog.simulation.pictures.visual_scene import Parts
 from img_recog.simulation.sensors import robot_camera
@@ -14,17 +13,16 @@ from img_recog.simulation.sensors.robot_camera import RobotCamera
 from img_recog.simulation.simulation_settings import CameraSettings
 from img_recog_helpers.refusals import refusal
 from img_recog_helpers.robots import assemble, burger
-from img_recog_helpers.sdf import BUILT_IN, CRATE, SHELF, sdf
+from img_recog_helpers.sdf import BUILT_IN, CRATE, SHELF, model, sdf
 
 
-@pytest.fixture
-def hall(tmp_path):
-    """The path of a world with a static shelf and a crate."""
-    path = tmp_path / 'hall.world'
-    path.write_text(sdf(BUILT_IN, SHELF.replace(
-        '</link>', '<visual name="v"><pose>0 0 0.5 0 0 0</pose><geometry><sphere><radius>0.1'
-        '</radius></sphere></geometry></visual></link>'), CRATE.format('-1 0 0.1 0 0 0')))
-    return str(path)
+def shelf_with(*visual):
+    """Return a static shelf with a visual of these elements."""
+    return SHELF.replace('</link>', '<visual name="v">' + ''.join(visual) + '</visual></link>')
+
+
+BALL = '<pose>0 0 0.5 0 0 0</pose><geometry><sphere><radius>0.1</radius></sphere></geometry>'
+HALL = sdf(BUILT_IN, shelf_with(BALL), CRATE.format('-1 0 0.1 0 0 0'))
 
 
 def read(built):
@@ -44,8 +42,8 @@ def first_visual(inside):
     return read(assemble(urdf=with_visual(inside), find_mesh=str))[0].visuals[0]
 
 
-def test_parts_are_the_links_of_robots_and_world(hall):
-    scene, parts = read(assemble(hall, x=0.5, y=0.25, yaw=1.0))
+def test_parts_are_the_links_of_robots_and_world():
+    scene, parts = read(assemble(HALL, x=0.5, y=0.25, yaw=1.0))
     numbers = parts.numbers()
     assert [sorted(each.values()) for each in numbers] == [
         list(range(len(numbers[0]))), [len(numbers[0])], [len(numbers[0]) + 1]]
@@ -58,8 +56,8 @@ def test_parts_are_the_links_of_robots_and_world(hall):
         [-1, 0, 0.1])
 
 
-def test_poses_are_those_of_now(hall):
-    built = assemble(hall)
+def test_poses_are_those_of_now():
+    built = assemble(HALL)
     _, parts = read(built)
     before = parts.poses()
     built.simulator.vehicles[0].command(0.2, 0.0)
@@ -80,29 +78,18 @@ def test_a_simulation_without_bodies_has_no_poses():
     assert Parts(sim).poses().shape == (0, 7)
 
 
-def test_visuals_of_the_world(hall):
-    scene, parts = read(assemble(hall))
+def test_visuals_of_the_world():
+    scene, parts = read(assemble(HALL))
     shelf = parts.numbers()[1]['l']
     visual, = [each for each in scene.visuals if each.part == shelf]
     assert visual.shape == Shape(SPHERE, (0.1,)) and visual.pose[:3, 3].tolist() == [0, 0, 0.5]
     assert visual.material == WHITE
 
 
-def test_visuals_of_the_burger():
-    scene, parts = read(assemble())
-    numbers = parts.numbers()[0]
-    wheel = [each for each in scene.visuals if each.part == numbers['wheel_left_link']]
-    assert wheel[0].shape == Shape(CYLINDER, (0.033, 0.018))
-    assert wheel[0].material == Material((0.06, 0.06, 0.06, 1.0))
-    assert len(wheel) == 5 and len(scene.visuals) > 30
-
-
-def test_the_floor_is_seen_where_the_world_has_it(tmp_path):
-    (tmp_path / 'a.world').write_text(sdf(BUILT_IN))
-    (tmp_path / 'b.world').write_text(sdf())
-    for world, has_floor in (('empty', True), (str(tmp_path / 'a.world'), True),
-                             (str(tmp_path / 'b.world'), False)):
-        assert read(assemble(world))[0].floor is has_floor
+@pytest.mark.parametrize('world, has_floor', [
+    ('empty', True), (sdf(BUILT_IN), True), (sdf(), False)])
+def test_the_floor_is_seen_where_the_world_has_it(world, has_floor):
+    assert read(assemble(world))[0].floor is has_floor
 
 
 @pytest.mark.parametrize('inside, shape, material', [
@@ -130,11 +117,10 @@ def test_a_material_of_a_urdf_is_that_of_what_has_none_in_the_mesh(shape, materi
     assert first_visual(inside).prefers_file is prefers_file
 
 
-def test_a_plane_is_the_upper_side_of_its_box(tmp_path):
-    plane = ('<visual name="v"><pose>0 0 0.5 0 0 1</pose><geometry><plane><normal>1 0 0</normal>'
-             '<size>4 2</size></plane></geometry></visual>')
-    (tmp_path / 'a.world').write_text(sdf(SHELF.replace('</link>', plane + '</link>')))
-    visual, = [each for each in read(assemble(str(tmp_path / 'a.world')))[0].visuals
+def test_a_plane_is_the_upper_side_of_its_box():
+    plane = ('<pose>0 0 0.5 0 0 1</pose><geometry><plane><normal>1 0 0</normal><size>4 2</size>'
+             '</plane></geometry>')
+    visual, = [each for each in read(assemble(sdf(shelf_with(plane))))[0].visuals
                if each.shape.kind == PLANE]
     assert visual.shape.size == (4.0, 2.0)
     assert visual.pose[:3, 3] == pytest.approx([0, 0, 0.5], abs=1e-9)
@@ -143,14 +129,12 @@ def test_a_plane_is_the_upper_side_of_its_box(tmp_path):
 
 def test_a_material_of_gazebo_or_of_an_sdf_replaces_that_of_the_mesh(tmp_path):
     (tmp_path / 'a.obj').write_text('v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\n')
-    visual = ('<visual name="v"><geometry><mesh><uri>a.obj</uri></mesh></geometry><material>'
-              '<diffuse>0 0 1 1</diffuse></material></visual>')
-    (tmp_path / 'hall.world').write_text(sdf(SHELF.replace('</link>', visual + '</link>')))
+    mesh = '<geometry><mesh><uri>{}/a.obj</uri></mesh></geometry>'.format(tmp_path)
+    blue = '<material><diffuse>0 0 1 1</diffuse></material>'
     tag = '<gazebo reference="base_footprint"><material>Gazebo/Blue</material></gazebo></robot>'
-    mesh = '<visual><geometry><mesh filename="a.obj"/></geometry></visual>'
-    built = assemble(str(tmp_path / 'hall.world'), urdf=burger().replace('</robot>', tag).replace(
-        '<link name="base_footprint"/>', '<link name="base_footprint">' + mesh + '</link>'),
-        find_mesh=lambda uri: str(tmp_path / uri))
+    urdf = with_visual('<geometry><mesh filename="a.obj"/></geometry>').replace('</robot>', tag)
+    built = assemble(sdf(shelf_with(mesh, blue)), urdf=urdf,
+                     find_mesh=lambda uri: str(tmp_path / uri))
     meshes = [each for each in read(built)[0].visuals if each.shape.kind == MESH]
     assert [(each.material.color, each.prefers_file) for each in meshes] == [
         ((0.0, 0.0, 1.0, 1.0), False)] * 2
@@ -179,13 +163,11 @@ def test_a_camera_on_the_robot_reads_its_pose_and_all_others():
     assert np.array_equal(exposure.poses, parts.poses())
 
 
-def test_both_links_of_a_body_have_poses(tmp_path):
-    path = tmp_path / 'door.sdf'
-    path.write_text(
-        '<sdf version="1.6"><model name="m"><link name="a"><pose>3 0 1 0 0 0</pose></link>'
-        '<link name="b"><pose>3 0 2 0 0 0</pose></link><joint name="j" type="revolute">'
-        '<parent>a</parent><child>b</child><axis><xyz>0 0 1</xyz></axis></joint></model></sdf>')
-    poses = Parts(assemble(str(path)).simulator).poses()
+def test_both_links_of_a_body_have_poses():
+    door = ('<link name="a"><pose>3 0 1 0 0 0</pose></link><link name="b"><pose>3 0 2 0 0 0</pose>'
+            '</link><joint name="j" type="revolute"><parent>a</parent><child>b</child><axis><xyz>'
+            '0 0 1</xyz></axis></joint>')
+    poses = Parts(assemble(sdf(model('m', door))).simulator).poses()
     assert poses[-2:, :3] == pytest.approx(np.array([[3.0, 0, 1], [3, 0, 2]]))
 
 
@@ -235,11 +217,3 @@ def test_a_mounted_camera_is_read_at_its_rate_while_it_is_enabled():
     vehicle.set_sensor_enabled(name, False)
     vehicle.set_sensor_enabled(second, True)
     assert times(name, 1) == [] and times(second, 299) == [0.3, 0.4, 0.5]
-
-
-def test_matrices_of_poses_are_those_of_the_simulation():
-    built = assemble(x=1.0, y=-2.0, yaw=0.7)
-    _, parts = read(built)
-    matrix = matrices.from_poses(parts.poses())[0]
-    assert matrix[:3, 3] == pytest.approx([1, -2, 0], abs=1e-6)
-    assert matrix[:2, 0] == pytest.approx([math.cos(0.7), math.sin(0.7)], abs=1e-6)
