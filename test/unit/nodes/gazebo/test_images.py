@@ -86,6 +86,14 @@ def rig(publishers):
     return Rig(publishers)
 
 
+@pytest.fixture
+def watched(rig, publishers):
+    """A rig that can draw, whose first camera has a subscriber."""
+    publishers['eye/image'].subscribers = 1
+    rig.process.is_ready = True
+    return rig
+
+
 def test_in_lockstep_no_other_process_comes_before_the_one_that_draws(publishers):
     assert Rig(publishers).process.niceness > 0
     assert Rig(publishers, lockstep=mock.Mock()).process.niceness == 0
@@ -119,12 +127,11 @@ def test_images_are_skipped_only_if_asked_and_while_others_are_drawn(publishers,
     assert len(rig.process.widths()) == 2
 
 
-def test_images_of_one_time_are_one_request(rig, publishers):
-    publishers['eye/image'].subscribers = publishers['back/image'].subscribers = 1
-    rig.process.is_ready = True
-    rig.step()
-    (_, first_poses, first), (shots, poses, publish) = rig.process.requests
-    assert rig.process.widths() == [[32], [32, 16]]
+def test_images_of_one_time_are_one_request(watched, publishers):
+    publishers['back/image'].subscribers = 1
+    watched.step()
+    (_, first_poses, first), (shots, poses, publish) = watched.process.requests
+    assert watched.process.widths() == [[32], [32, 16]]
     assert first_poses[0, :3] == pytest.approx([1, 0, 0], abs=1e-3) and poses is not first_poses
     assert shots[0].pose[:3, 3] == pytest.approx([1, 0, 0.01], abs=1e-3)
     publish([('image', None), ('small', None)])
@@ -134,47 +141,41 @@ def test_images_of_one_time_are_one_request(rig, publishers):
         'image', 'small', 0.04, header.stamp)
 
 
-def test_images_are_drawn_before_their_publication_is_complete(rig, publishers):
-    publishers['eye/image'].subscribers = 1
-    rig.process.is_ready = True
+def test_images_are_drawn_before_their_publication_is_complete(watched, publishers):
     seen = []
     publishers['eye/image'].publish = lambda *_: seen.append(
-        (rig.images.are_drawn(), rig.images.is_complete()))
-    assert rig.images.are_drawn() and rig.images.is_complete()      # nothing was read yet
-    rig.step(20)
-    assert not (rig.images.are_drawn() or rig.images.is_complete())
-    rig.process.requests[0][-1]([('image', None)])
-    assert seen == [(True, False)] and rig.images.is_complete()
+        (watched.images.are_drawn(), watched.images.is_complete()))
+    assert watched.images.are_drawn() and watched.images.is_complete()      # nothing was read yet
+    watched.step(20)
+    assert not (watched.images.are_drawn() or watched.images.is_complete())
+    watched.process.requests[0][-1]([('image', None)])
+    assert seen == [(True, False)] and watched.images.is_complete()
 
 
-def test_an_image_is_drawn_while_others_are_published_and_follows_them(rig, publishers):
-    publishers['eye/image'].subscribers = 1
-    rig.process.is_ready = True
+def test_an_image_is_drawn_while_others_are_published_and_follows_them(watched, publishers):
     order = []
     publishers['eye/image'].publish = lambda *_: order.append('image')
 
     def publish_others():
-        (_, _, publish), = rig.process.requests
+        (_, _, publish), = watched.process.requests
         thread = threading.Thread(target=publish, args=([('image', None)],))
         threads.append(thread)
         thread.start()
         thread.join(_NOT_YET_S)
         order.append('others')
     threads = []
-    rig.publish_others = publish_others
-    rig.step(20)
+    watched.publish_others = publish_others
+    watched.step(20)
     threads[0].join()
     assert order == ['others', 'image']
 
 
-def test_of_several_images_none_waits_for_another(rig, publishers):
-    publishers['eye/image'].subscribers = 1
-    rig.process.is_ready = True
+def test_of_several_images_none_waits_for_another(watched, publishers):
     order = []
-    rig.publish_others = lambda: order.append(len(rig.process.requests))
-    rig.process.draw = lambda shots, poses, publish: publish([('image', None)])
+    watched.publish_others = lambda: order.append(len(watched.process.requests))
+    watched.process.draw = lambda shots, poses, publish: publish([('image', None)])
     publishers['eye/image'].publish = lambda *_: order.append('image')
-    rig.step(60)
+    watched.step(60)
     assert order == [0, 'image', 'image', 'image']
 
 
