@@ -40,11 +40,12 @@ def test_model_in_the_first_folder_that_has_it(monkeypatch, tmp_path, mesh):
     assert resources.find('model://shelf') == str(mesh.parent.parent)
 
 
-def test_no_model_without_a_model_path(monkeypatch, mesh):
+@pytest.mark.parametrize('change', [
+    lambda patched: patched.delenv('GAZEBO_MODEL_PATH', raising=False),
+    lambda patched: patched.setenv('GAZEBO_MODEL_PATH', '')])
+def test_no_model_without_a_model_path(monkeypatch, mesh, change):
     monkeypatch.chdir(mesh.parent.parent.parent)
-    monkeypatch.delenv('GAZEBO_MODEL_PATH', raising=False)
-    assert resources.find('model://shelf/meshes/shelf.dae') is None
-    monkeypatch.setenv('GAZEBO_MODEL_PATH', '')
+    change(monkeypatch)
     assert resources.find('model://shelf/meshes/shelf.dae') is None
 
 
@@ -96,11 +97,13 @@ def packages(monkeypatch, tmp_path):
     return paths
 
 
-def test_model_in_a_folder_that_a_package_exports(packages):
-    folder = packages['turtlebot3_gazebo'] / 'models' / 'course'
-    folder.mkdir(parents=True)
-    assert resources.find('model://course') == str(folder)
-    assert resources.find('model://table') is None
+@pytest.mark.parametrize('uri, folder', [
+    ('model://course', 'models/course'), ('file://materials', 'media/materials')])
+def test_folders_that_a_package_exports(packages, uri, folder):
+    path = packages['turtlebot3_gazebo'] / folder
+    assert resources.find(uri) is None
+    path.mkdir(parents=True)
+    assert resources.find(uri) == str(path)
 
 
 def test_names_of_worlds(packages):
@@ -122,10 +125,3 @@ def test_names_of_worlds_without_turtlebot3_gazebo(monkeypatch, tmp_path):
 def test_the_colors_of_the_article():
     path = resources.colors()
     assert path.endswith('/config/colors.yaml') and os.path.isfile(path)
-
-
-def test_media_in_a_folder_that_a_package_exports(packages):
-    path = packages['turtlebot3_gazebo'] / 'media' / 'materials'
-    assert resources.find('file://materials') is None
-    path.mkdir(parents=True)
-    assert resources.find('file://materials') == str(path)

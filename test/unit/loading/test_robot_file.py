@@ -70,33 +70,32 @@ def refusal(path):
     return line
 
 
-def test_urdf_is_read_as_it_is(tmp_path):
+@pytest.mark.parametrize('content, text', [
+    (URDF.encode(), URDF),
+    (b'<robot name="\xe9"/>', '<robot name="\u00e9"/>'),        # no UTF-8, so Latin-1
+    (b'<robot', '<robot'),      # no XML, which is left to those who know what it shall be
+    (bytes(range(256)), None)])
+def test_a_urdf_is_read_as_it_is_if_it_is_text(tmp_path, content, text):
     path = tmp_path / 'robot.urdf'
-    path.write_text(URDF)
-    assert robot_file.read(str(path)) == URDF
-
-
-def test_text_that_is_not_utf_8_is_latin_1(tmp_path):
-    path = tmp_path / 'robot.urdf'
-    path.write_bytes(b'<robot name="\xe9"/>')
-    assert robot_file.read(str(path)) == '<robot name="\u00e9"/>'
+    path.write_bytes(content)
+    if text is None:
+        assert 'it is not a text file; set --urdf' in refusal(str(path))
+    else:
+        assert robot_file.read(str(path)) == text
 
 
 @pytest.mark.parametrize('name', ['no.urdf', 'no.urdf.xacro'])
 def test_missing_file_names_the_option(tmp_path, name):
     words = refusal(str(tmp_path / name))
     assert words.endswith('No such file or directory; set --urdf to a URDF file')
-
-
-def test_file_that_is_not_text(tmp_path):
-    path = tmp_path / 'robot.urdf'
-    path.write_bytes(bytes(range(256)))
-    assert 'it is not a text file; set --urdf' in refusal(str(path))
+    assert refusals.refusal(robot_file.read, str(tmp_path / name)).endswith(
+        'No such file or directory; set urdf to a URDF file')
 
 
 def test_command_of_ros_1_is_used_where_it_is_installed(box, command):
-    command('echo "<robot name=\\"$(basename $1)\\"/>"')
-    assert robot_file.read(box).strip() == '<robot name="box.urdf.xacro"/>'
+    command('echo "<robot name=\\"$(basename $1)\\"/>"; shift; echo "$@"')
+    assert robot_file.read(box + ' a:=1 b=x:=y') == (
+        '<robot name="box.urdf.xacro"/>\na:=1 b:=x:=y\n')
 
 
 @needs_module
@@ -210,11 +209,6 @@ def test_arguments_of_xacro_stand_after_the_file(box, arguments):
     assert 'radius="0.4"' in robot_file.read(box + arguments)
 
 
-def test_arguments_reach_the_command(box, command):
-    command('shift; echo "<robot>$@</robot>"')
-    assert robot_file.read(box + ' a:=1 b=x:=y') == '<robot>a:=1 b:=x:=y</robot>\n'
-
-
 def test_a_urdf_has_no_arguments(tmp_path):
     (tmp_path / 'my.urdf').write_text(URDF)
     line = refusals.refusal(robot_file.read, '{} arm:=true'.format(tmp_path / 'my.urdf'))
@@ -268,13 +262,3 @@ def test_program_prints_the_urdf_or_one_line(tmp_path, monkeypatch, capsys, capl
         with pytest.raises(SystemExit, match='2'):
             check_jobs.robot_description()
         assert capsys.readouterr().err.startswith('usage: robot_description.py [-h] FILE\n')
-
-
-def test_what_is_no_xml_is_left_to_those_who_know_what_it_shall_be(tmp_path):
-    (tmp_path / 'a.urdf').write_text('<robot')
-    assert robot_file.read(str(tmp_path / 'a.urdf')) == '<robot'
-
-
-def test_a_file_that_is_not_there_names_the_option():
-    assert refusals.refusal(robot_file.read, '/none') == (
-        'cannot read the robot in /none: No such file or directory; set urdf to a URDF file')

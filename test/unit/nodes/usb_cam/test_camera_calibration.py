@@ -3,7 +3,6 @@ import os
 from types import SimpleNamespace
 
 import pytest
-import yaml
 from sensor_msgs.msg import CameraInfo
 from sensor_msgs.srv import SetCameraInfoRequest
 from std_msgs.msg import Header
@@ -13,7 +12,7 @@ from img_recog.camera.calibration import Calibration
 from img_recog.camera.usb_cam_settings import UsbCamSettings
 from img_recog.nodes.usb_cam import camera_info
 from img_recog.ros import parameters
-from img_recog.settings import ParameterError
+from img_recog_helpers.refusals import refusal
 
 GIVEN = {
     'width': 640, 'height': 480, 'distortion_model': 'plumb_bob', 'D': [0.1] * 5,
@@ -36,9 +35,6 @@ class FakeRos:
     def Service(self, name, _, handler):        # noqa: N802
         self.services[name] = handler
 
-    def levels(self):
-        return [level for level, _ in self.lines]
-
 
 @pytest.fixture
 def ros(monkeypatch):
@@ -51,16 +47,16 @@ def ros(monkeypatch):
 @pytest.fixture
 def make(ros, tmp_path, monkeypatch):
     """A function that makes the calibration of a camera; its file is calibration.yaml."""
-    def made(url='file://{}/calibration.yaml'.format(tmp_path), **settings):
+    def make_calibration(url='file://{}/calibration.yaml'.format(tmp_path), **settings):
         # only get_param is faked, so the error line is the same as for all parameters
         monkeypatch.setattr(parameters, 'rospy', SimpleNamespace(
             get_param=lambda *_: {'camera_info_url': url},
             resolve_name=lambda name: name.replace('~', '/usb_cam/')))
-        calibration = camera_info.CameraCalibration(
+        made = camera_info.CameraCalibration(
             UsbCamSettings(camera_info_url=url, **settings))
-        calibration.serve()
-        return calibration
-    return made
+        made.serve()
+        return made
+    return make_calibration
 
 
 @pytest.fixture
@@ -80,30 +76,23 @@ def saved(tmp_path, **fields):
     return path
 
 
-def test_calibration_of_the_file_is_published(make, ros, tmp_path):
-    saved(tmp_path)
-    made = make()
-    made.set_image_size(640, 480)
-    assert list(made.to_msg(Header()).K) == GIVEN['K']
-    assert ros.lines == []
-
-
-@pytest.mark.parametrize('fields, line', [
-    ({'camera_matrix': [float('nan')] * 9},     # is not published
-     ('err', 'calibration {} has no usable entry camera_matrix (wants finite numbers, has nan); '
-             'publishing no calibration')),
-    ({'camera_name': 'narrow_stereo'},          # is used
-     ('warn', "calibration {} is for camera 'narrow_stereo', but camera_name is head_camera; "
-              'using it anyway'))])
-def test_calibration_that_is_broken_or_of_another_camera_is_one_line(
-        make, ros, tmp_path, fields, line):
+@pytest.mark.parametrize('fields, is_published, lines', [
+    ({}, True, []),
+    ({'camera_matrix': [float('nan')] * 9}, False,
+     [('err', 'calibration {} has no usable entry camera_matrix (wants finite numbers, has nan); '
+              'publishing no calibration')]),
+    ({'camera_name': 'narrow_stereo'}, True,
+     [('warn', "calibration {} is for camera 'narrow_stereo', but camera_name is head_camera; "
+               'using it anyway')])])
+def test_the_calibration_of_the_file_is_published_if_it_is_usable(
+        make, ros, tmp_path, fields, is_published, lines):
     path = saved(tmp_path, **fields)
     made = make()
     made.set_image_size(640, 480)
     msg = made.to_msg(Header())
     assert (list(msg.K), msg.distortion_model) == (
-        ([0.0] * 9, '') if 'camera_matrix' in fields else (GIVEN['K'], 'plumb_bob'))
-    assert ros.lines == [(line[0], line[1].format(path))]
+        (GIVEN['K'], 'plumb_bob') if is_published else ([0.0] * 9, ''))
+    assert ros.lines == [(level, line.format(path)) for level, line in lines]
 
 
 def test_calibration_urls(monkeypatch, tmp_path):
@@ -130,27 +119,22 @@ def test_calibration_urls(monkeypatch, tmp_path):
     ('package://../etc/a.yaml', 'there is no package ..'),
     ('package://no_such_package/x', 'there is no package no_such_package')])
 def test_refused_url_names_the_parameter_with_its_namespace(make, url, words):
-    with pytest.raises(ParameterError) as refused:
-        make(url)
-    assert str(refused.value).startswith('parameter /usb_cam/camera_info_url: got {!r}, '.format(
-        url))
-    assert words in str(refused.value)
+    line = refusal(make, url)
+    assert line.startswith('parameter /usb_cam/camera_info_url: got {!r}, '.format(url))
+    assert words in line
 
 
 @pytest.mark.parametrize('fields, words', [
     ({'K': [float('nan')] * 9}, 'camera_matrix (wants finite numbers, has nan)'),
     ({'width': 320}, 'the calibration is for 320x480, the images are 640x480')])
 def test_bad_calibration_is_refused_and_the_file_stays(make, answer, ros, tmp_path, fields, words):
-    path = saved(tmp_path)
-    with open(path) as file:
-        before = file.read()
+    before = calibration.load(saved(tmp_path))
     made = make()
     made.set_image_size(640, 480)
     response = answer(**fields)
     assert not response.success and words in response.status_message
-    assert ros.levels() == ['err']
-    with open(path) as file:
-        assert file.read() == before
+    assert [level for level, _ in ros.lines] == ['err']
+    assert calibration.load(str(tmp_path / 'calibration.yaml')) == before
     assert list(made.to_msg(Header()).K) == GIVEN['K']
 
 
@@ -182,8 +166,7 @@ def test_size_of_the_synthetic_scene_is_known_before_it_is_open(make, answer, tm
     assert response.status_message == (
         'the calibration is for 640x480, the images are 320x240')
     assert answer(width=320, height=240).success
-    with open(str(tmp_path / 'calibration.yaml')) as file:
-        assert yaml.safe_load(file)['image_width'] == 320
+    assert calibration.load(str(tmp_path / 'calibration.yaml')).width == 320
 
 
 @pytest.mark.parametrize('name', ['head_camera', '0', '_Front2', 'a-b.c d', '${ROS_HOME}'])
