@@ -47,9 +47,12 @@ class Echo:
     rows: a list of numbers for each message, in order; times are in ns.
     """
 
-    def __init__(self, ros, path):
-        """path: a topic that may not be there yet, and fields of its messages, as in rostopic."""
-        self.rows = []
+    def __init__(self, ros, path, buffer_bytes=None):
+        """path: a topic that may not be there yet, and fields of its messages, as in rostopic.
+
+        buffer_bytes: of what has arrived and is not read, by default as large as the system likes.
+        """
+        self.rows, self._buffer_bytes = [], buffer_bytes
         self._master, self._path = ros.master_uri, path
         self._caller = '/echo_{}'.format(next(_numbers_of_nodes))
         self._has_ended, self._may_read = threading.Event(), threading.Event()
@@ -74,7 +77,7 @@ class Echo:
             return
         with contextlib.closing(wire.Subscription(
                 self._master, publishers[topic][0], topic, data_class, DEADLINE_S,
-                caller=self._caller)) as messages:
+                self._buffer_bytes, self._caller)) as messages:
             self.is_connected.set()
             while not self._has_ended.is_set():
                 if self._may_read.wait(_POLL_S) and select.select([messages.sock], [], [],

@@ -46,49 +46,6 @@ def test_a_sensor_without_its_link_has_no_topic(ros, simulate):
 
 # -- parameters and tags
 
-def test_commands_are_limited(ros, simulate):
-    simulate('_real_time_factor:=10', '_world:=empty', '_max_linear_velocity:=0.22')
-    speed = Echo(ros, '/odom/twist/twist/linear')
-    drive(ros, 10.0)
-    speed.wait(lambda x, y, z: x > 0.215, 'full speed')
-    rows = speed.wait_more(60)
-    assert max(x for x, _, _ in rows) < 0.225
-    assert [x for x, _, _ in rows[-50:]] == pytest.approx([0.22] * 50, abs=0.005)
-
-
-def test_a_command_ends_after_the_timeout(ros, simulate):
-    # in wall time it is as long with each factor: 0.5 s of simulated time
-    simulate('_real_time_factor:=10', '_world:=empty', '_cmd_vel_timeout:=0.05')
-    place = Echo(ros, '/odom/pose/pose/position')
-    place.wait(lambda x, y, z: True, 'odometry')
-    drive(ros, 0.2)
-    place.wait(lambda x, y, z: x > -1.95, 'the robot to leave')
-    # at 0.2 m/s for 0.5 s; both ends are ramps of 0.2 s
-    assert wait_standing(place)[0] == pytest.approx(-1.9, abs=0.02)
-
-
-def test_encoder_odometry_starts_at_zero_also_after_a_reset(ros, simulate):
-    simulate('_real_time_factor:=10', '_odometry_source:=encoder', '_publish_odom_tf:=false')
-    place = Echo(ros, '/odom/pose/pose/position')
-    transforms = ros.start('rostopic', 'echo', '/tf')
-    ros.wait_run(r'Subscribers:\s+\* /rostopic', 'rostopic', 'info', '/tf')
-    assert place.wait_more(5)[-1] == pytest.approx([0.0, 0.0, 0.0], abs=0.005)
-    drive(ros, 0.2)
-    place.wait(lambda x, y, z: x > 0.3, 'the robot to drive')
-    call(ros, 'reset_world')
-    place.wait(lambda x, y, z: x < 0.1, 'the reset')
-    rows = place.wait_more(60)[-60:]
-    assert [value for row in rows for value in row] == pytest.approx([0.0] * 180, abs=0.005)
-    # about 100 messages of odometry, and no transform for them
-    assert 'frame_id' not in transforms.output
-
-
-def test_the_pose_is_published_on_tf(ros, simulate):
-    simulate()
-    transforms = ros.start('rostopic', 'echo', '/tf')
-    transforms.wait_output('(?s)frame_id: "odom".*child_frame_id: "base_footprint"')
-
-
 def test_a_robot_without_a_drive_has_its_sensors_and_takes_no_commands(ros, simulate):
     node = simulate(urdf=re.sub('(?s)<plugin name="drive".*?</plugin>', '', burger()))
     node.wait_output('simulating 1.0017 kg')
@@ -100,28 +57,20 @@ def test_a_robot_without_a_drive_has_its_sensors_and_takes_no_commands(ros, simu
 
 
 def test_gazebo_tags_are_used(ros, simulate):
-    node = simulate('_real_time_factor:=5', '_world:=empty', urdf=with_tags(
-        odometryTopic='my_odom', odometryFrame='my_odom_frame', wheelAcceleration='0',
-        samples='90').replace('<update_rate>5<', '<update_rate>10<').replace(
-            '<topicName>scan<', '<topicName>my_scan<'))
-    node.wait_output('simulating')
-    scans = ros.start('rostopic', 'echo', '--noarr', '-n', '3', '/my_scan')
-    assert scans.wait() == 0
-    assert scans.output.count('ranges: "<array type: float32, length: 90>"') == 3
-    stamps = [int(seconds) + int(part) * 1e-9 for seconds, part in re.findall(
-        r'secs: (\d+)\n *nsecs: +(\d+)', scans.output)]
-    assert [b - a for a, b in zip(stamps, stamps[1:])] == pytest.approx([0.1, 0.1])
+    simulate('_real_time_factor:=5', '_world:=empty', '_publish_odom_tf:=false', urdf=with_tags(
+        odometryTopic='my_odom', odometryFrame='my_odom_frame', samples='90').replace(
+            '<update_rate>5<', '<update_rate>10<').replace('<topicName>scan<',
+                                                           '<topicName>my_scan<'))
+    transforms = ros.start('rostopic', 'echo', '/tf')
+    stamps = Echo(ros, '/my_scan/header/stamp').wait_more(3)[:3]
+    assert np.diff(stamps, axis=0).tolist() == [[1e8], [1e8]]
+    assert 'ranges: "<array type: float32, length: 90>"' in ros.run(
+        'rostopic', 'echo', '--noarr', '-n', '1', '/my_scan')
     topics = ros.run('rostopic', 'list', '-p').split()
     assert {'/my_odom', '/my_scan', '/imu'} <= set(topics)
     assert not {'/odom', '/scan'} & set(topics)
     assert 'my_odom_frame' in ros.run('rostopic', 'echo', '-n', '1', '/my_odom/header')
-    # without a ramp a wheel has its commanded speed at once; with one, 15 rad/s take 0.5 s
-    turning = Echo(ros, '/joint_states/velocity[0]')
-    turning.wait_more(5)
-    drive(ros, 0.5)
-    turning.wait(lambda value: value > 14.5, 'full speed')
-    ramp = [value for value, in turning.rows if 1.0 < value < 14.0]
-    assert len(ramp) <= 2, ramp
+    assert 'frame_id' not in transforms.output
 
 
 def test_a_second_simulator_takes_over(ros, simulate, tmp_path):
@@ -148,19 +97,19 @@ def test_a_subscriber_that_hangs_does_not_block_the_simulator(ros, simulate):
     simulate('_real_time_factor:=0', '_world:=empty', '_odometry_period_s:=0.001',
              '_publish_odom_tf:=false')
     clock = Echo(ros, '/clock/clock')
-    stopped = Echo(ros, '/odom/header/stamp')
+    stopped = Echo(ros, '/odom/header/stamp', buffer_bytes=4096)
     stopped.wait_more(10)
     stopped.hang(True)
     try:
         since = clock.wait_more(1)[-1][0]
-        # 1000 messages of 0.7 kB a second are more than the 40 MB that sockets may hold
-        clock.wait(lambda now: now > since + 100e9, '100 s of simulated time')
+        # 1000 messages of 0.7 kB a second are more than the 4 MB that the sender's socket may hold
+        clock.wait(lambda now: now > since + 20e9, '20 s of simulated time')
     finally:
         stopped.hang(False)
 
     def gap():
         stamps = [row[0] for row in stopped.rows]
-        return max((b - a for a, b in zip(stamps, stamps[1:])), default=0) > 20e9
+        return max((b - a for a, b in zip(stamps, stamps[1:])), default=0) > 5e9
     # more was sent than socket buffers hold: some messages are missing, then new ones arrive
     wait_for(gap, lambda: stopped.rows[-3:])
     stopped.wait_more(10)

@@ -1,12 +1,8 @@
-"""The images of the simulation: when they are drawn, their content, and failures of drawing."""
-import os
-import signal
-
+"""The images of the simulation: when they are drawn, and their content."""
 import pytest
 
 from img_recog_helpers.process_table import cpu_s, descendants
-from img_recog_helpers.simulator_tools import (Echo, Images, complaints, drawing, drive,
-                                               wait_standing)
+from img_recog_helpers.simulator_tools import Echo, Images, drawing, drive, wait_standing
 from img_recog_helpers.waiting import wait_for
 
 pytestmark = pytest.mark.usefixtures('shared_ros')       # one master
@@ -58,36 +54,3 @@ def test_view_from_above_shows_the_robot_at_its_position(ros, simulate):
     expected = pytest.approx((320 - y * 46.2, 240 + (0.8 - x) * 46.2), abs=4)
     # the newest image may be from before the halt
     images.wait(lambda image: image['dark']['middle'] and image['dark']['middle'] == expected)
-
-
-def test_following_keeps_the_robot_in_the_middle(ros, simulate):
-    simulate('_real_time_factor:=5', '_world:=empty', '_view:=follow')
-    images = Images(ros)
-    place = Echo(ros, '/odom/pose/pose/position')
-    place.wait_more(1)
-    first = images.wait(count=2)
-    drive(ros, 0.5)
-    place.wait(lambda x, y, z: x > 0.0, 'the robot to drive')
-    last = images.wait(count=2)
-    for image in (first, last):
-        assert image['dark']['share'] > 0.003
-        assert image['dark']['middle'] == pytest.approx((320, 240), abs=30)
-
-
-def test_another_process_draws_when_the_first_one_is_killed(ros, simulate):
-    node = simulate('_view_rate:=2')
-    clock = Echo(ros, '/clock/clock')
-    clock.wait_more(1)
-    images = Images(ros)
-    images.wait(count=2)
-    drawer = drawing(node)      # idle for half a second
-    os.kill(drawer, signal.SIGSTOP)
-    clock.wait_more(400)        # 0.8 s, in which an image is requested
-    os.kill(drawer, signal.SIGKILL)
-    node.wait_output(r'\[WARN\].* has ended with exit code -9; it is started again')
-    clock.wait_more(100)
-    images.wait(count=3)
-    assert drawing(node) != drawer
-    assert len(complaints(node)) == 1, node.output
-    assert node.interrupt() == 0
-    assert 'Traceback' not in node.output
