@@ -40,17 +40,22 @@ def assemble(world_name='empty', x=0.0, y=0.0, yaw=0.0, z=0.0, urdf=None, find_m
 
     world_name: a name, a path or the text of the file.
     """
-    text = world_name if world_name.startswith('<') else ''
-    world_name = 'hall.world' if text else world_name
-    physics = PhysicsSettings(world=world_name)
     robot = read(burger() if urdf is None else urdf, 'robot_description', find_mesh)
     robot = robot._replace(settings=settings_of(
         x, y, yaw, z, **{**robot.settings.sensors, **settings}))
     for camera in cameras:
         robot = robot.with_sensor(CAMERA, camera)
+    return build(world_name, [robot], unused_sensors, option_name, allow_partial)
+
+
+def build(world_name, specs, unused_sensors=(), option_name=str, allow_partial=False):
+    """Return the assembly of robots in a world."""
+    text = world_name if world_name.startswith('<') else ''
+    world_name = 'hall.world' if text else world_name
     world = world_file.read(world_name, WORLDS, allow_partial=allow_partial,
                             read_file=(lambda path: text) if text else read_bytes)
-    return assembly.build(physics, world, [robot], unused_sensors, option_name)
+    return assembly.build(PhysicsSettings(world=world_name), world, specs, unused_sensors,
+                          option_name)
 
 
 @functools.lru_cache(maxsize=16)         # it takes as long as the rest of a simulator

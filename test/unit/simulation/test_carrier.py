@@ -10,10 +10,9 @@ from img_recog.simulation import assembly
 from img_recog.simulation.models import Models
 from img_recog.simulation.simulation_settings import PhysicsSettings
 from img_recog_helpers.robots import simulator
-from img_recog_helpers.sdf import BOX, BUILT_IN, INERTIAL, convert, sdf
+from img_recog_helpers.sdf import BUILT_IN, box, convert, link, model, sdf
 
-WALL = ('<link name="wall"><pose>2 0 0 0 0 0</pose>'
-        + BOX.format('collision', '', '0.2 9 9') + '</link>')
+WALL = link('wall', '2', box(0.2, 9, 9))
 SENSOR = '<sensor name="{0}" type="{1}"><pose>0.1 0 0 0 0 0</pose>{2}</sensor>'
 RAY = ('<update_rate>50</update_rate><ray><scan><horizontal><samples>3</samples><min_angle>-1'
        '</min_angle><max_angle>1</max_angle></horizontal></scan><range><min>0.1</min><max>5</max>'
@@ -48,13 +47,13 @@ def test_rays_of_a_static_model_begin_at_the_pose_of_the_sensor_in_its_link(kind
 def test_a_scanner_sees_its_own_model_from_inside_as_in_gazebo(near, pitch, expected):
     rays = ('<ray><scan><horizontal><samples>2</samples><min_angle>0</min_angle><max_angle>1.57'
             '</max_angle></horizontal></scan><range><min>{}</min><max>3.5</max></range></ray>')
+    sensor = '<sensor name="s" type="ray"><pose>0 0 0 0 {} 0</pose>{}</sensor>'.format(
+        pitch, rays.format(near))
     head = carrier(
-        '<pose>0 5 0.5 0 0 0</pose><link name="base">' + BOX.format('collision', '', '1 1 1')
-        + '</link><link name="head"><pose>0 0 0.6 0 0 0</pose><collision name="c"><geometry>'
-        '<cylinder><radius>0.1</radius><length>0.1</length></cylinder></geometry></collision>'
-        '<sensor name="s" type="ray"><pose>0 0 0 0 {} 0</pose>{}</sensor></link><joint name="j" '
-        'type="fixed"><parent>base</parent><child>head</child></joint>'.format(
-            pitch, rays.format(near)))
+        '<pose>0 5 0.5 0 0 0</pose>', link('base', '', box(1, 1, 1)), link(
+            'head', '0 0 0.6', '<cylinder><radius>0.1</radius><length>0.1</length></cylinder>',
+            inside=sensor),
+        '<joint name="j" type="fixed"><parent>base</parent><child>head</child></joint>')
     # the figures are those of Gazebo 11.1
     assert head.measure()['scan'].tolist() == pytest.approx(expected, abs=1e-5)
 
@@ -67,8 +66,8 @@ def test_the_readings_of_a_model_are_those_of_its_rate_and_end_with_it():
 
 
 def test_an_imu_that_falls_feels_nothing():
-    simulator = build('<pose>0 0 9 0 0 0</pose><link name="l">' + SENSOR.format(
-        'tilt', 'imu', '<update_rate>100</update_rate>') + '</link>').simulator
+    simulator = build('<pose>0 0 9 0 0 0</pose>', link(inside=SENSOR.format(
+        'tilt', 'imu', '<update_rate>100</update_rate>'))).simulator
     *_, last = simulator.advance(100)
     assert last.value.linear_acceleration == pytest.approx((0, 0, 0), abs=1e-6)
 
@@ -96,27 +95,26 @@ def test_a_sensor_with_a_plugin_that_publishes_is_not_bare():
     assert [each.is_bare for each in eye.sensors] == [False]
 
 
-@pytest.mark.parametrize('world', ['turtlebot3_world', 'door'])
-def test_the_state_of_models_whose_root_link_is_not_in_their_file(tmp_path, world):
-    path = tmp_path / 'door.sdf'
-    path.write_text(sdf('<model name="door"><link name="l"/><joint name="j" type="revolute">'
-                        '<parent>world</parent><child>l</child><axis><xyz>0 0 1</xyz></axis>'
-                        '</joint></model>'))
-    models = Models(simulator(str(path) if world == 'door' else world))
+DOOR = model('door', '<link name="l"/><joint name="j" type="revolute"><parent>world</parent>'
+             '<child>l</child><axis><xyz>0 0 1</xyz></axis></joint>')
+
+
+@pytest.mark.parametrize('world', ['turtlebot3_world', sdf(DOOR)], ids=['urdf', 'door'])
+def test_the_state_of_models_whose_root_link_is_not_in_their_file(world):
+    models = Models(simulator(world))
     for name in models.names:
         assert models.state(name).linear.tolist() == pytest.approx([0, 0, 0], abs=1e-3)
 
 
-def test_a_bumper_and_a_depth_camera_of_a_model_of_a_world(tmp_path):
-    (tmp_path / 'w.sdf').write_text(sdf(BUILT_IN, (
-        '<model name="m"><pose>0 0 0.1 0 0 0</pose><link name="l">' + INERTIAL
-        + BOX.format('collision', '', '0.2 0.2 0.2') + SENSOR.format(
-            'touch', 'contact', '<update_rate>50</update_rate><contact><collision>s</collision>'
-            '</contact>' + PLUGIN.format('gazebo_ros_bumper')) + SENSOR.format(
-                'eye', 'depth', '<camera><image><width>32</width></image></camera>'
-                + PLUGIN.format('gazebo_ros_openni_kinect')) + '</link>'
-        + PLUGIN.format('gazebo_ros_p3d') + '</model>')))
-    file = world_file.read(str(tmp_path / 'w.sdf'), {})
+def test_a_bumper_and_a_depth_camera_of_a_model_of_a_world():
+    touch = SENSOR.format(
+        'touch', 'contact', '<update_rate>50</update_rate><contact><collision>c</collision>'
+        '</contact>' + PLUGIN.format('gazebo_ros_bumper'))
+    eye = SENSOR.format('eye', 'depth', '<camera><image><width>32</width></image></camera>'
+                        + PLUGIN.format('gazebo_ros_openni_kinect'))
+    file = world_file.read('w.sdf', {}, read_file=lambda path: sdf(BUILT_IN, model(
+        'm', link('l', '0 0 0.1', box(0.2, 0.2, 0.2), mass=2, inside=touch + eye),
+        PLUGIN.format('gazebo_ros_p3d'))))
     # also where gazebo_msgs is not installed
     kinds = [kind._replace(missing='') for kind in SENSORS]
     built = assembly.build(PhysicsSettings(), file, [], kinds=kinds)
@@ -129,5 +127,4 @@ def test_a_bumper_and_a_depth_camera_of_a_model_of_a_world(tmp_path):
     assert (camera.camera_width, camera.camera_x, camera.camera_depth_topic) == (
         32, 0.1, 'depth/image_raw')
     assert file.warnings == (
-        'world {}: not simulated: plugin libgazebo_ros_p3d.so of world default model m'.format(
-            tmp_path / 'w.sdf'),)
+        'world w.sdf: not simulated: plugin libgazebo_ros_p3d.so of world default model m',)

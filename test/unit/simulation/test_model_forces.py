@@ -3,34 +3,28 @@ import math
 
 import pytest
 
-from img_recog.errors import SimulationError
 from img_recog.simulation.model_forces import ModelForces
 from img_recog.simulation.models import Models
+from img_recog_helpers import sdf
+from img_recog_helpers.refusals import refusal
 from img_recog_helpers.robots import simulator
 
-ARM = '''<model name="{0}"><pose>{1} 0 0 0 0 0</pose>
-  <link name="base"><pose>0 0 1 0 0 0</pose></link>
-  <link name="arm"><pose>0 0 1 0 0 0</pose><inertial><mass>1</mass><inertia><ixx>0.5</ixx>
-    <iyy>0.5</iyy><izz>0.5</izz></inertia></inertial></link>
-  <joint name="fix" type="fixed"><parent>world</parent><child>base</child></joint>
+ARM = '''<joint name="fix" type="fixed"><parent>world</parent><child>base</child></joint>
   <joint name="{0}_joint" type="revolute"><parent>base</parent><child>arm</child>
-    <axis><xyz>0 0 1</xyz><limit>{2}</limit></axis></joint></model>'''
-WORLD = '''<sdf version="1.6"><world name="w"><gravity>0 0 0</gravity>
-  <model name="box"><pose>0 5 1 0 0 1.5707963</pose><link name="l"><inertial>
-    <pose>0.1 0 0 0 0 0.785398</pose><mass>2</mass><inertia><ixx>0.02</ixx><iyy>0.04</iyy>
-    <izz>0.05</izz></inertia></inertial></link></model>{}</world></sdf>'''.format(''.join(
-        ARM.format(*arm) for arm in (
-            ('free', 3, ''), ('weak', 6, '<effort>0.3</effort>'),
-            ('slow', 9, '<velocity>0.2</velocity>'),
-            ('short', 12, '<lower>-1</lower><upper>1</upper>'))))
+    <axis><xyz>0 0 1</xyz><limit>{1}</limit></axis></joint>'''
+BOX = sdf.model('box', sdf.link(mass=2, moments=(0.02, 0.04, 0.05)).replace(
+    '<mass>', '<pose>0.1 0 0 0 0 0.785398</pose><mass>'), pose='0 5 1 0 0 1.5707963')
 ZERO = (0.0, 0.0, 0.0)
 
 
 @pytest.fixture
-def sim(tmp_path):
-    path = tmp_path / 'forces.world'
-    path.write_text(WORLD)
-    return simulator(str(path))
+def sim():
+    return simulator(sdf.sdf('<gravity>0 0 0</gravity>', BOX, *(
+        sdf.model(name, sdf.link('base', '0 0 1'), sdf.link('arm', '0 0 1', moments=0.5),
+                  ARM.format(name, limit), pose=str(x))
+        for name, x, limit in (('free', 3, ''), ('weak', 6, '<effort>0.3</effort>'),
+                               ('slow', 9, '<velocity>0.2</velocity>'),
+                               ('short', 12, '<lower>-1</lower><upper>1</upper>')))))
 
 
 @pytest.fixture
@@ -136,9 +130,7 @@ def test_what_acts_without_end_is_ended(sim, models, forces, end):
      "no movable joint 'fix' (movable joints: free::free_joint, "),
     (lambda forces: forces.apply_effort('free_joint', 1e9, 0, 1), 'effort: got ')])
 def test_what_cannot_be_is_refused(forces, sim, call, problem):
-    with pytest.raises(SimulationError) as refused:
-        call(forces)
-    assert str(refused.value).startswith(problem)
+    assert refusal(call, forces).startswith(problem)
     assert not sim.world.pushes
 
 
@@ -150,5 +142,4 @@ def test_joints_are_put_where_their_limits_allow(sim, models):
     assert models.state('short::arm').orientation[2:] == close(0.479425539, 0.877582562)
     sim.advance(10)
     assert models.state('short::arm').orientation[2:] == close(0.479425539, 0.877582562)
-    with pytest.raises(SimulationError):
-        models.set_joints('short', {'short_joint': math.inf})
+    assert 'finite' in refusal(models.set_joints, 'short', {'short_joint': math.inf})

@@ -5,12 +5,10 @@ import numpy as np
 import pybullet
 import pytest
 
-from img_recog.formats import world_file
 from img_recog.simulation import assembly
-from img_recog.simulation.simulation_settings import PhysicsSettings
 from img_recog_helpers import sdf
 from img_recog_helpers.refusals import refusal
-from img_recog_helpers.robots import WORLDS, burger, burgers, read
+from img_recog_helpers.robots import build, burger, burgers, read
 from img_recog_helpers.robots import settings_of as settings
 
 COMMANDS = ((0.2, 0.0), (10.0, 0.4), (-10.0, 0.0), (0.0, 2.0))
@@ -27,8 +25,7 @@ def several(places, world='turtlebot3_world', **groups):
     """Return the simulator of robots tb3_0, tb3_1 and so on at places (x, y, yaw)."""
     robots = [spec('tb3_{}'.format(number), *place, **groups)
               for number, place in enumerate(places)]
-    return assembly.build(PhysicsSettings(world=world), world_file.read(world, WORLDS),
-                          robots).simulator
+    return build(world, robots).simulator
 
 
 def drive(sim, numbers):
@@ -76,9 +73,8 @@ def test_two_that_meet_see_each_other_in_their_scans(mesh, tmp_path):
     if mesh:        # PyBullet casts the rays then
         (tmp_path / 'a.obj').write_text('v 9 9 9\nv 9 9 8\nv 9 8 9\nv 8 9 9\nf 1 2 3\nf 1 2 4\n'
                                         'f 1 3 4\nf 2 3 4\n')
-        world = str(tmp_path / 'w.sdf')
-        (tmp_path / 'w.sdf').write_text(sdf.sdf(sdf.BUILT_IN, sdf.body(
-            'm', '', '<mesh><uri>a.obj</uri></mesh>', static=True)))
+        world = sdf.sdf(sdf.BUILT_IN, sdf.body('m', '', '<mesh><uri>{}</uri></mesh>'.format(
+            tmp_path / 'a.obj'), static=True))
     exact = burgers('scan', scan_noise=0.0)
     # the scanner is 0.032 m behind the root link; it is a cylinder of radius 0.055 m, whose axis
     # is 0.015 m before the point where its rays begin
@@ -133,13 +129,11 @@ def test_places_are_free_and_inside_of_the_walls():
         for vehicle in sim.vehicles]
 
 
-def test_no_place_is_refused_and_leaves_nothing(tmp_path):
+def test_no_place_is_refused_and_leaves_nothing():
     walls = (sdf.link('l{}'.format(turn), '{} {} 0.5 0 0 {}'.format(
         0.6 * math.cos(turn), 0.6 * math.sin(turn), turn), sdf.box(0.1, 1.3, 1))
         for turn in np.arange(4) * math.pi / 2)
-    (tmp_path / 'cell.sdf').write_text(sdf.sdf(sdf.BUILT_IN, sdf.model(
-        'cell', *walls, static=True)))
-    sim = several([], str(tmp_path / 'cell.sdf'))
+    sim = several([], sdf.sdf(sdf.BUILT_IN, sdf.model('cell', *walls, static=True)))
     assembly.add_robot_apart(sim, spec('a', 0.0, 0.0, has_place=False))
     count = pybullet.getNumBodies(physicsClientId=sim.world.physics_client_id)
     assert refusal(assembly.add_robot_apart, sim, spec('b', 0.0, 0.0, has_place=False)).startswith(
@@ -155,13 +149,17 @@ def test_a_search_that_begins_in_a_wall_is_refused():
     assert sim.vehicles == []
 
 
-# 0.25 m is too near to another one; what is beyond 1000 m is no place
-@pytest.mark.parametrize('start, offsets', [
-    ((3.0, -2.0), [(0, 0), (-0.5, 0), (0, -0.5), (0, 0.5), (0.5, 0), (-0.5, -0.5), (-0.5, 0.5),
-                   (0.5, -0.5), (0.5, 0.5)]),
-    ((1000.0, 1000.0), [(0, 0), (-0.5, 0), (0, -0.5), (-0.5, -0.5)])])
-def test_places_are_the_nearest_in_all_directions(start, offsets):
-    sim = several([], 'empty')
+# 0.25 m is too near to another one; what is beyond 1000 m is no place, and what is 0.1 m higher
+STEP = sdf.sdf(sdf.BUILT_IN, sdf.body('step', '-1.4', sdf.box(2, 4, 0.2), static=True))
+
+
+@pytest.mark.parametrize('world, start, offsets', [
+    (STEP, (0.0, 0.0), [(0, 0), (0, -0.5), (0, 0.5)]),
+    ('empty', (3.0, -2.0), [(0, 0), (-0.5, 0), (0, -0.5), (0, 0.5), (0.5, 0), (-0.5, -0.5),
+                            (-0.5, 0.5), (0.5, -0.5), (0.5, 0.5)]),
+    ('empty', (1000.0, 1000.0), [(0, 0), (-0.5, 0), (0, -0.5), (-0.5, -0.5)])])
+def test_places_are_the_nearest_in_all_directions(world, start, offsets):
+    sim = several([], world)
     for number in range(len(offsets)):
         assembly.add_robot_apart(sim, spec(str(number), *start, has_place=False))
     spawns = [each.settings.spawn for each in sim.vehicles]

@@ -4,11 +4,7 @@ import math
 import numpy as np
 import pytest
 
-from img_recog.formats import world_file
-from img_recog.simulation.physics.client import connect
 from img_recog.simulation.physics.footprints import footprints
-from img_recog.simulation.physics.world import World
-from img_recog.simulation.simulation_settings import PhysicsSettings
 from img_recog_helpers import robots
 
 SHAPES = '''<robot name="shapes">
@@ -40,15 +36,9 @@ def area(outline):
     return float(np.sum(x * np.roll(y, -1) - y * np.roll(x, -1))) / 2
 
 
-@pytest.fixture
-def shapes(tmp_path):
-    path = tmp_path / 'shapes.urdf'
-    path.write_text(SHAPES)
-    world = World(PhysicsSettings(), world_file.read(str(path), {}), connect())
-    return {round(area(outline), 2): outline for outline in footprints(world)}
-
-
-def test_shapes_have_their_places_turns_and_sizes(shapes):
+def test_shapes_have_their_places_turns_and_sizes():
+    world = robots.simulator(SHAPES).world
+    shapes = {round(area(outline), 2): outline for outline in footprints(world)}
     disc = 12 * math.sin(math.pi / 12)          # of a polygon with 24 corners and radius 1
     assert sorted(shapes) == sorted(
         [2.0, 0.8, *(round(disc * radius ** 2, 2) for radius in (0.5, 0.25, 0.2, 0.3))])

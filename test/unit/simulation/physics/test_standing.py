@@ -7,29 +7,25 @@ from img_recog.simulation import assembly
 from img_recog.simulation.models import Models, State
 from img_recog.simulation.physics import standing
 from img_recog.simulation.physics.body import Body, Pose
+from img_recog_helpers import sdf
 from img_recog_helpers.robots import assemble, burger, read, settings_of, simulator
-from img_recog_helpers.sdf import BUILT_IN, sdf
 
 UPRIGHT, REST = (0.0, 0.0, 0.0, 1.0), (0.0, 0.0, 0.0)
 NAME = 'turtlebot3_burger'
 AT_ITS_AXLE = burger().replace('xyz="0 0 0.010"', 'xyz="0 0 -0.023"')
-MODEL = ('<model name="hall"><static>1</static><link name="l"><collision name="c">{}<geometry>{}'
-         '</geometry></collision></link></model>')
 
 
 @pytest.fixture
 def world(tmp_path):
-    """A function that returns the path of a world with a floor of some height; 'mesh' or 'box'."""
+    """A function that returns a world with a floor of some height: a 'mesh' or a 'box'."""
     def make(kind, height):
         (tmp_path / 'sheet.obj').write_text(
             ''.join('v {0} {1} {2}\n'.format(x, y, height)
                     for x in (-2, 2) for y in (-2, 2)) + 'f 1 3 4\nf 1 4 2\n')
-        geometry = {'mesh': '<mesh><uri>{}</uri></mesh>'.format(tmp_path / 'sheet.obj'),
-                    'box': '<box><size>4 4 0.5</size></box>'}[kind]
-        pose = '<pose>0 0 {} 0 0 0</pose>'.format(height - 0.25) if kind == 'box' else ''
-        path = tmp_path / 'hall.world'
-        path.write_text(sdf(BUILT_IN, MODEL.format(pose, geometry)))
-        return str(path)
+        pose, geometry = {
+            'mesh': ('', '<mesh><uri>{}</uri></mesh>'.format(tmp_path / 'sheet.obj')),
+            'box': ('0 0 {}'.format(height - 0.25), sdf.box(4, 4, 0.5))}[kind]
+        return sdf.sdf(sdf.BUILT_IN, sdf.body('hall', pose, geometry, static=True))
     return make
 
 
@@ -68,6 +64,7 @@ def test_a_robot_in_a_floor_above_zero_is_lifted_onto_it(world, kind, height):
     assert built.warnings == ('turtlebot3_burger: at z_pos 0 m it would be in hall; it was lifted '
                               'onto it by {:.3f} m'.format(height),)
     assert stands(built.simulator, height)
+    assert built.simulator.touched(built.simulator.vehicles[0].robot) == []
 
 
 @pytest.mark.parametrize('z, height', [(0.4, 0.4), (0.0, 0.0), (-0.5, 0.0), (0.003, 0.003)])
@@ -152,22 +149,15 @@ class Boxes:
         return lifted
 
 
-@pytest.mark.parametrize('bottom, height, onto', [
-    (0.5, 0.0, ''), (0.0, 0.0, ''), (-0.004, 0.0, ''), (-0.006, 0.006, 'floor'),
-    (-3.0, 3.0, 'floor')])
-def test_onto_the_floor(bottom, height, onto):
-    lifted = Boxes().lift(bottom)
-    assert lifted == (pytest.approx(height, abs=1e-6), onto)
-
-
 @pytest.mark.parametrize('bottom, tops, height, onto', [
-    (0.0, (0.004,), 0.0, ''), (0.0, (0.006,), 0.006, 'box 0'), (0.0, (0.0873,), 0.0873, 'box 0'),
-    (0.0, (0.29,), 0.29, 'box 0'), (0.0, (0.32,), 0.0, ''),
+    (0.5, (), 0.0, ''), (0.0, (), 0.0, ''), (-0.004, (), 0.0, ''), (-0.006, (), 0.006, 'floor'),
+    (-3.0, (), 3.0, 'floor'), (0.0, (0.004,), 0.0, ''), (0.0, (0.006,), 0.006, 'box 0'),
+    (0.0, (0.0873,), 0.0873, 'box 0'), (0.0, (0.29,), 0.29, 'box 0'), (0.0, (0.32,), 0.0, ''),
     # out of the floor first
     (-0.03, (0.05,), 0.08, 'box 0'), (-0.03, (0.35,), 0.03, 'floor'), (-0.03, (), 0.03, 'floor'),
     (0.0, (0.02, 0.05), 0.05, 'box 1'), (0.0, (0.05, 0.02), 0.05, 'box 0'),
     (0.1, (0.02, 0.13), 0.03, 'box 1')])
-def test_onto_boxes(bottom, tops, height, onto):
+def test_onto_the_floor_and_boxes(bottom, tops, height, onto):
     boxes = Boxes()
     lifted = boxes.lift(bottom, *(boxes.box('box {}'.format(number), -0.2, top)
                                   for number, top in enumerate(tops)))

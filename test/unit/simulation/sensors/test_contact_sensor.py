@@ -4,18 +4,15 @@ import pybullet
 import pytest
 
 from img_recog.conversions.sensor_table import SENSORS
-from img_recog.formats import world_file
-from img_recog.simulation import assembly
 from img_recog.simulation.robot_spec import read_robot
 from img_recog.simulation.sensors import contact_sensor
-from img_recog.simulation.simulation_settings import PhysicsSettings
-from img_recog_helpers import robots
+from img_recog_helpers import robots, sdf
 
-WALL = ('<sdf version="1.6"><model name="wall"><static>true</static><pose>1 0 0.5 0 0 0</pose>'
-        '<link name="l"><collision name="above"><pose>0 0 2 0 0 0</pose><geometry><sphere>'
-        '<radius>0.1</radius></sphere></geometry><surface><friction><ode><mu>0.5</mu></ode>'
-        '</friction></surface></collision><collision name="c"><geometry><box><size>0.2 4 1</size>'
-        '</box></geometry></collision></link></model></sdf>')
+ABOVE = ('<link name="l"><collision name="above"><pose>0 0 2 0 0 0</pose><geometry><sphere>'
+         '<radius>0.1</radius></sphere></geometry><surface><friction><ode><mu>0.5</mu></ode>'
+         '</friction></surface></collision><collision name="c"><geometry>')
+WALL = sdf.sdf(sdf.BUILT_IN, sdf.model('wall', ABOVE, sdf.box(0.2, 4, 1), '</geometry></collision>'
+                                       '</link>', pose='1 0 0.5', static=True))
 # a bar from x 0.1 to 0.12 of the root, behind it a box that is fixed to the same link
 BAR = ('<link name="{0}"><collision><origin xyz="{1} 0 0.06"/><geometry>'
        '<box size="0.02 0.1 0.02"/></geometry></collision></link>'
@@ -29,15 +26,12 @@ KINDS = tuple(kind._replace(missing='') for kind in SENSORS)
 
 
 @pytest.fixture
-def simulator(tmp_path):
-    wall = tmp_path / 'wall.sdf'
-    wall.write_text(WALL)
+def simulator():
     urdf = robots.burger('').replace(
         '</robot>', BAR.format('bar', 0.11) + BAR.format('back', -0.2) + TAG + '</robot>')
     robot = read_robot(urdf, 0.001, lambda uri: None, 'robot', KINDS)
-    return assembly.build(PhysicsSettings(world=str(wall)), world_file.read(str(wall), {}), [
-        robot.changed(spawn=robots.settings_of(x=0.7).spawn,
-                      drive=robots.burgers_drive())]).simulator
+    return robots.build(WALL, [robot.changed(
+        spawn=robots.settings_of(x=0.7).spawn, drive=robots.burgers_drive())]).simulator
 
 
 def touches(sim, steps):
@@ -84,18 +78,15 @@ def test_without_its_message_a_bumper_is_reported_with_the_reason():
 @pytest.mark.parametrize('names', [('slides', 'floor'), ('floor', 'slides')])
 def test_friction_is_against_the_slide_in_any_order_of_the_bodies(names):
     client = {'physicsClientId': pybullet.connect(pybullet.DIRECT)}
-    try:
-        pybullet.setGravity(0, 0, -10, **client)
-        shape = pybullet.createCollisionShape(pybullet.GEOM_BOX, halfExtents=(0.5, 0.5, 0.05),
-                                              **client)
-        bodies = {name: pybullet.createMultiBody(
-            name == 'slides', shape, -1, (0, 0, 0.05 if name == 'slides' else -0.05), **client)
-            for name in names}
-        pybullet.stepSimulation(**client)
-        pybullet.resetBaseVelocity(bodies['slides'], (1, 0, 0), **client)
-        pybullet.stepSimulation(**client)
-        force = sum(contact_sensor.force_of(point) for point in pybullet.getContactPoints(
-            bodies['slides'], bodies['floor'], **client))
-    finally:
-        pybullet.disconnect(**client)
+    pybullet.setGravity(0, 0, -10, **client)
+    shape = pybullet.createCollisionShape(pybullet.GEOM_BOX, halfExtents=(0.5, 0.5, 0.05),
+                                          **client)
+    bodies = {name: pybullet.createMultiBody(
+        name == 'slides', shape, -1, (0, 0, 0.05 if name == 'slides' else -0.05), **client)
+        for name in names}
+    pybullet.stepSimulation(**client)
+    pybullet.resetBaseVelocity(bodies['slides'], (1, 0, 0), **client)
+    pybullet.stepSimulation(**client)
+    force = sum(contact_sensor.force_of(point) for point in pybullet.getContactPoints(
+        bodies['slides'], bodies['floor'], **client))
     assert force[0] < -1 and force[2] > 1

@@ -20,10 +20,9 @@ OLD = ('<imu><noise><type>gaussian</type><rate><mean>0.5</mean></rate><accel><bi
        '</bias_mean></accel></noise></imu>')
 
 
-def readings(tmp_path, kind, inside, version='1.6', count=1):
-    path = tmp_path / 'world.sdf'
-    path.write_text(sdf(MODEL.format(kind, inside), version=version))
-    file = world_file.read(str(path), {})
+def readings(kind, inside, version='1.6', count=1):
+    file = world_file.read('world.sdf', {}, read_file=lambda path: sdf(
+        MODEL.format(kind, inside), version=version))
     built = assembly.build(PhysicsSettings(), file, [], kinds=SENSORS, with_bare=True)
     sim = built.simulator
     sim.advance(10)
@@ -38,8 +37,8 @@ def readings(tmp_path, kind, inside, version='1.6', count=1):
     ('><bias_mean>0.5</bias_mean>', (1.0, 2.0)),
     ('><type>gaussian_quantized</type><precision>0.4</precision>', 1.6),
     ('><type>gaussian</type><precision>0.4</precision>', 1.5)])
-def test_of_a_scanner(tmp_path, noise, wanted):
-    (ranges, *_), _ = readings(tmp_path, 'ray', RAY.format(noise))
+def test_of_a_scanner(noise, wanted):
+    (ranges, *_), _ = readings('ray', RAY.format(noise))
     assert any(ranges[0] == pytest.approx(value) for value in np.atleast_1d(wanted))
 
 
@@ -50,24 +49,24 @@ def test_of_a_scanner(tmp_path, noise, wanted):
     ('1.6', AXIS.format(GYRO, 'z', 'gaussian_quantized', '<mean>1.3</mean><precision>0.5'
                         '</precision>'), (0, 0, 1.5), (0, 0, 9.8)),
     ('1.6', OLD, (0, 0, 0), (0, 0, 9.8)), ('1.7', OLD, (0, 0, 0), (0, 0, 9.8))])
-def test_of_an_inertial_unit(tmp_path, version, inside, gyro, acceleration):
-    (value, *_), warnings = readings(tmp_path, 'imu', inside, version)
+def test_of_an_inertial_unit(version, inside, gyro, acceleration):
+    (value, *_), warnings = readings('imu', inside, version)
     assert (value.angular_velocity, value.linear_acceleration) == (
         pytest.approx(gyro), pytest.approx(acceleration))
     assert bool(warnings) == (inside == OLD)
 
 
 @pytest.mark.parametrize('version', ['1.4', '1.5'])
-def test_until_sdf_1_5_the_older_form_is_that_of_each_axis(tmp_path, version):
-    (value, *_), warnings = readings(tmp_path, 'imu', OLD, version)
+def test_until_sdf_1_5_the_older_form_is_that_of_each_axis(version):
+    (value, *_), warnings = readings('imu', OLD, version)
     assert value.angular_velocity == pytest.approx((0.5, 0.5, 0.5))
     assert np.abs(np.subtract(value.linear_acceleration, (0, 0, 9.8))) == pytest.approx(2.0)
     assert not warnings
 
 
-def test_each_axis_has_its_deviation(tmp_path):
-    values, _ = readings(tmp_path, 'imu', AXIS.format(GYRO, 'y', 'gaussian', '<stddev>0.5'
-                                                      '</stddev>'), count=500)
+def test_each_axis_has_its_deviation():
+    noise = AXIS.format(GYRO, 'y', 'gaussian', '<stddev>0.5</stddev>')
+    values, _ = readings('imu', noise, count=500)
     deviations = np.std([value.angular_velocity for value in values], axis=0)
     assert deviations == pytest.approx((0, 0.5, 0), abs=0.05)
 
