@@ -74,19 +74,17 @@ def test_the_way_between_two_places_is_in_the_mean_direction(before, now, turn):
 
 
 @pytest.mark.parametrize('command, wanted', [
-    ((9.0, 0.0, 0.2), (0.4, 0.2)), ((-9.0, 0.0, -0.05), (-0.1, -0.05)),
-    ((0.3, 0.0, 9.0), (0.3, 0.4)), ((0.3, 0.0, -9.0), (0.3, -0.1))])
+    ((9.0, 0.0, 0.2), (0.4, 0.2, 0.0)), ((-9.0, 0.0, -0.05), (-0.1, -0.05, 0.0)),
+    ((0.3, 0.0, 9.0), (0.3, 0.4, 0.0)), ((0.3, 0.0, -9.0), (0.3, -0.1, 0.0)),
+    ((0.0, 9.0, 0.0), (0.0, 0.0, 0.7)), ((0.0, -9.0, 0.0), (0.0, 0.0, -0.2)),
+    ((0.0, 0.6, 0.0), (0.0, 0.0, 0.6))])
 def test_velocities_have_a_highest_and_a_lowest_value(command, wanted):
-    drive = PlanarDrive(DriveSettings(max_linear_velocity=0.4, min_linear_velocity=-0.1))
+    drive = PlanarDrive(DriveSettings(
+        max_linear_velocity=0.4, min_linear_velocity=-0.1, max_angular_velocity=0.7,
+        min_angular_velocity=-0.2, drive_period_s=1e-9))
     drive.command(*command)
-    assert updated(drive)[:2] == pytest.approx(wanted)
-
-
-@pytest.mark.parametrize('turn, wanted', [(9.0, 0.7), (-9.0, -0.2), (0.6, 0.6)])
-def test_turns_have_a_highest_and_a_lowest_value(turn, wanted):
-    drive = PlanarDrive(DriveSettings(max_angular_velocity=0.7, min_angular_velocity=-0.2))
-    drive.command(0.0, turn)
-    assert updated(drive)[3] == pytest.approx(wanted)
+    forward, left, _, turn = updated(drive)
+    assert (forward, left, turn) == pytest.approx(wanted)
 
 
 @pytest.mark.parametrize('limits, command, wanted', [
