@@ -9,10 +9,9 @@ import pytest
 
 from img_recog.camera.image_source import UNREADABLE
 from img_recog.camera.selection import open_file, open_source
-from img_recog.camera.source import SourceError
 from img_recog.camera.usb_cam_settings import UsbCamSettings
-from img_recog.errors import UserError
-from img_recog_helpers import bombs
+from img_recog.camera.source import SourceError
+from img_recog_helpers import bombs, refusals
 from img_recog_helpers.videos import smooth_image
 
 NOT_PLAYABLE = ('cannot play {}: neither a video nor an image that OpenCV reads; set video_device '
@@ -23,7 +22,6 @@ def refusal(path):
     """Return the error line of opening `path` as video_device."""
     with pytest.raises(SourceError) as refused:
         open_source(UsbCamSettings(video_device=str(path)))
-    assert isinstance(refused.value, UserError)
     assert '\n' not in str(refused.value)
     return str(refused.value)
 
@@ -38,6 +36,7 @@ def devices(monkeypatch):
 
 def test_missing_file_lists_the_devices_and_the_advice(tmp_path, devices):
     path = tmp_path / 'missing.mp4'
+    path.symlink_to(tmp_path / 'gone.mp4')
     for found, listed in (([], 'no /dev/video*'), (['3', '1'], '/dev/video1, /dev/video3')):
         devices[:] = map('/dev/video{}'.format, found)
         assert refusal(path) == (
@@ -143,11 +142,6 @@ def test_what_is_no_file(tmp_path, make, what):
             tmp_path / 'path', what))
 
 
-def test_dangling_link(tmp_path):
-    (tmp_path / 'video.mp4').symlink_to(tmp_path / 'gone.mp4')
-    assert 'video.mp4: no such file or device' in refusal(tmp_path / 'video.mp4')
-
-
 def test_character_device_that_is_not_a_camera(devices):
     devices.append('/dev/video7')
     assert refusal('/dev/null') == (
@@ -158,5 +152,5 @@ def test_character_device_that_is_not_a_camera(devices):
 def test_file_without_permission_to_read(make_video, monkeypatch):
     path = make_video()
     monkeypatch.setattr(os, 'access', lambda path, mode: mode != os.R_OK)
-    with pytest.raises(SourceError, match='^cannot read .*video.avi: permission denied$'):
-        open_file(path, 30.0)
+    assert refusals.refusal(open_file, path, 30.0) == (
+        'cannot read {}: permission denied'.format(path))

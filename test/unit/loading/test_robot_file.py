@@ -121,9 +121,9 @@ def test_command_has_a_minute(box, command, monkeypatch):
     assert given['words'][1:] == [box] and given['words'][0].endswith('/bin/xacro')
 
 
-def test_command_that_cannot_be_run_is_a_line_with_its_reason(box, command, monkeypatch):
+def test_command_that_cannot_be_run_is_a_line_with_its_reason(box, command, tmp_path):
     command('')
-    monkeypatch.setattr(robot_file, '_ros_command', lambda: '/no/such')
+    (tmp_path / 'bin' / 'xacro').write_text('#!/no/such\n')
     assert refusal(box) == 'xacro cannot expand {}: No such file or directory'.format(box)
 
 
@@ -167,11 +167,10 @@ def test_a_world_is_expanded_like_a_robot(box, tmp_path):
     look, = world.trees[0].model.links[0].looks
     assert world.name == 'box' and look.shape == Shape(SPHERE, (0.2,))
     assert 'it contains xacro' in refusals.refusal(world_file.read, box, {})
-    with open(box, 'w') as file:
-        file.write('<sdf xmlns:xacro="http://ros.org/wiki/xacro"><xacro:if value="0"/></sdf>')
+    pathlib.Path(box).write_text('<sdf xmlns:xacro="http://ros.org/wiki/xacro"><xacro:if value="0"'
+                                 '/></sdf>')
     assert world_file.read(box, {}, read_file=robot_file.read_any).trees == ()
-    with open(box, 'w') as file:
-        file.write('<robot')
+    pathlib.Path(box).write_text('<robot')
     assert refusals.refusal(world_file.read, box, {}, read_file=robot_file.read_any).startswith(
         'xacro cannot expand ' + box)
 
@@ -198,8 +197,7 @@ def test_module_without_the_package_says_which(box, monkeypatch):
     ('<robot', 'unclosed token'), (XACRO.replace('0.5 *', 'height *'), 'height'),
     (XACRO.replace('arg side', 'arg width'), 'width')], ids=['not XML', 'name', 'argument'])
 def test_module_that_fails_is_a_line_with_its_reason(box, text, words):
-    with open(box, 'w') as file:
-        file.write(text)
+    pathlib.Path(box).write_text(text)
     assert 'xacro cannot expand' in refusal(box) and words in refusal(box)
 
 
@@ -233,9 +231,8 @@ def test_an_error_names_the_macro_and_the_file_that_is_included(box, tmp_path):
 @needs_module
 def test_all_packages_that_are_missing_are_named(box):
     include = '<xacro:include filename="$(find {})/a.xacro"/>'
-    with open(box, 'w') as file:
-        file.write(XACRO.replace('<link', '{}<!-- $(find nobody) -->{}<link'.format(
-            include.format('lost_arm'), include.format('lost_base'))))
+    pathlib.Path(box).write_text(XACRO.replace('<link', '{}<!-- $(find nobody) -->{}<link'.format(
+        include.format('lost_arm'), include.format('lost_base'))))
     assert 'there is no ROS package lost_arm, lost_base; source' in refusal(box)
 
 
@@ -244,8 +241,7 @@ def test_packages_of_a_file_before_are_not_named(box, tmp_path):
     common = tmp_path / 'packages' / 'toy_description' / 'urdf' / 'common.xacro'
     common.write_text(COMMON.replace('<visual>', '<visual name="$(find lost_first)">'))
     assert 'package lost_first; source' in refusal(box)
-    with open(box, 'w') as file:
-        file.write(XACRO.replace('toy_description', 'lost_second'))
+    pathlib.Path(box).write_text(XACRO.replace('toy_description', 'lost_second'))
     assert 'package lost_second; source' in refusal(box)
 
 

@@ -104,19 +104,6 @@ def test_the_odometry_of_a_skid_steered_robot_is_that_of_its_plugin():
     assert simulator.vehicles[0].robot.motion().angular[2] < 0.9
 
 
-def test_multipliers_are_those_of_the_controller():
-    given = controllers(wheel_separation_multiplier=1.5, left_wheel_radius_multiplier=1.25,
-                        right_wheel_radius_multiplier=1.25, cmd_vel_timeout=0.5)
-    simulator = assembled(robot(CONTROL), given).simulator
-    assert velocity(simulator, 0.5)[0] == pytest.approx(0.4, rel=0.02)
-    assert velocity(simulator, 0.0, 0.5)[2] == pytest.approx(TURN_SHARE * 0.5 * 1.2, rel=0.02)
-    # what it counts is what was asked
-    assert odometry(simulator, 100)[-1].angular[2] == pytest.approx(0.5, rel=0.02)
-    simulator.advance(1000)
-    assert simulator.vehicles[0].drive.timed_out
-    assert simulator.vehicles[0].robot.motion().angular[2] == pytest.approx(0.0, abs=0.01)
-
-
 def test_limits_are_those_of_the_controller():
     given = controllers(linear={'x': {
         'has_velocity_limits': True, 'max_velocity': 0.4, 'min_velocity': -0.1,

@@ -311,9 +311,8 @@ def test_window_shows_the_newest_poses_from_the_camera_above(monkeypatch):
 
 
 def test_window_ends_when_it_is_closed(monkeypatch):
-    assembly, client = robots.assemble(), connect()
+    scene, client = robots.assemble(sdf.sdf()).scene, connect()
     monkeypatch.setattr(window, 'connect', lambda *args: client)
     monkeypatch.setattr(pybullet, 'isConnected', lambda **kwargs: False)
-    window.show_until_closed(None, assembly.scene._replace(world=assembly.scene.world._replace(
-        has_floor=False)), ABOVE)
-    assert pybullet.getNumBodies(physicsClientId=client) == 1      # the robot
+    window.show_until_closed(None, scene, ABOVE)
+    assert pybullet.getNumBodies(physicsClientId=client) == 1      # the robot, and no floor
