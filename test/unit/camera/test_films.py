@@ -138,8 +138,8 @@ def test_a_path_with_a_colon_is_a_file(make_video, tmp_path, monkeypatch, name):
 COUNT = """
 import sys
 from img_recog.camera.selection import open_source
-from img_recog.camera.usb_cam_settings import UsbCamSettings
 from img_recog.camera.source import SourceEnded
+from img_recog.camera.usb_cam_settings import UsbCamSettings
 for device in sys.argv[1:]:
     source, count = open_source(UsbCamSettings(video_device=device, loop=False)), 0
     try:

@@ -9,8 +9,8 @@ import pytest
 
 from img_recog.camera.image_source import UNREADABLE
 from img_recog.camera.selection import open_file, open_source
-from img_recog.camera.usb_cam_settings import UsbCamSettings
 from img_recog.camera.source import SourceError
+from img_recog.camera.usb_cam_settings import UsbCamSettings
 from img_recog_helpers import bombs, refusals
 from img_recog_helpers.videos import smooth_image
 
