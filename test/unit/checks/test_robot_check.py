@@ -46,18 +46,16 @@ UNIT = ('<gazebo><plugin name="i" filename="libgazebo_ros_imu.so"><frameName>tor
         '</plugin></gazebo>')
 # more tags of the burger, and texts that are replaced in it
 CASES = {
-    'wheels': (WHEELS,),
     'no drive': (CAMERA,),
     'plugin that is not known': (LAMP + CAMERA,),
-    'all in tags': (DRIVE + CAMERA,),
-    'friction of the wheels': (WHEELS, ('<mu1>0.1</mu1>', '<mu1>0.8</mu1>')),
-    'friction of a fixed link': ('<gazebo reference="base_link"><mu1>0.3</mu1></gazebo>',),
-    'imu of no link': (UNIT,),
-    'tag of no link': ('<gazebo reference="wheel"><mu1>1</mu1></gazebo>',),
+    'all in tags': (DRIVE + CAMERA, ('<mu1>0.1</mu1>', '<mu1>0.8</mu1>'),
+                    ('<wheelDiameter>0.066</wheelDiameter>',
+                     '<wheelDiameter>0.132</wheelDiameter>')),
+    'a fixed link and no links': (
+        '<gazebo reference="base_link"><mu1>0.3</mu1></gazebo><gazebo reference="wheel"><mu1>1'
+        '</mu1></gazebo>' + UNIT,),
     'not simulated': (WHEELS + LAMP + MESH + UNIT,),
     'impossible inertia': (WHEELS, ('ixx="1.1175580e-5"', 'ixx="1"')),
-    'wrong diameter': (DRIVE, ('<wheelDiameter>0.066</wheelDiameter>',
-                               '<wheelDiameter>0.132</wheelDiameter>')),
     'planar': (DRIVE.replace('diff_drive', 'planar_move'),),
     'wheels backward': (WHEELS, (ROLLED, 'rpy="-1.57 0 0"/><axis xyz="0 0 -1"/>'))}
 

@@ -49,11 +49,10 @@ def drive(sim, numbers):
     return measured
 
 
-@pytest.mark.parametrize('world', ['empty', 'turtlebot3_world'])
-def test_a_robot_among_others_moves_to_the_bit_as_it_does_alone(world):
-    together = several(PLACES, world)
-    measured = drive(together, range(len(PLACES)))
-    for number, place in enumerate(PLACES):
+@pytest.mark.parametrize('world, places', [('empty', PLACES[:3]), ('turtlebot3_world', PLACES)])
+def test_a_robot_among_others_moves_to_the_bit_as_it_does_alone(world, places):
+    measured = drive(several(places, world), range(len(places)))
+    for number, place in enumerate(places):
         alone = drive(several([place], world), [number])
         assert len(alone['tb3_0']) > 300
         assert measured['tb3_{}'.format(number)] == alone['tb3_0']

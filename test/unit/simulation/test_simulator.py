@@ -96,7 +96,7 @@ def drive_with(switches):
         vehicle.command(*command)
         for sensor, on in switches.get(quarter, {}).items():
             vehicle.set_sensor_enabled(sensor, on)
-        for _ in range(100):
+        for _ in range(50):
             readings.extend(sim.advance(10))
             motion = vehicle.robot.motion()
             places.append((motion.position.tobytes(), motion.orientation,
@@ -116,21 +116,21 @@ def seen_by(sensor, readings):
 
 def test_disabled_sensors_read_nothing_and_change_nothing(usual):
     places, readings = usual
-    assert [len(seen_by(name, readings)) for name in SENSORS] == [121, 121, 800, 20]
+    assert [len(seen_by(name, readings)) for name in SENSORS] == [60, 60, 400, 10]
     for off in ({name: False for name in SENSORS}, {'imu': False}, {'scan': False}):
         others, fewer = drive_with({0: off})
         assert others == places
         assert {each.sensor for each in fewer} == set(SENSORS) - set(off)
     others, fewer = drive_with({1: {'imu': False, 'scan': False}, 3: {'imu': True, 'scan': True}})
     assert others == places
-    assert [len(seen_by(name, fewer)) for name in SENSORS] == [121, 121, 400, 10]
+    assert [len(seen_by(name, fewer)) for name in SENSORS] == [60, 60, 200, 5]
     assert [time_s for time_s, _ in seen_by('scan', fewer)] == pytest.approx(
-        [0.2, 0.4, 0.6, 0.8, 1.0, 3.2, 3.4, 3.6, 3.8, 4.0])
+        [0.2, 0.4, 1.6, 1.8, 2.0])
 
 
 @pytest.mark.parametrize('sensor, count, switches', [
-    ('scan', 20, {0: {'imu': False}}), ('imu', 800, {0: {'scan': False}}),
-    ('imu', 800, {quarter: {'imu': True} for quarter in range(4)})])
+    ('scan', 10, {0: {'imu': False}}), ('imu', 400, {0: {'scan': False}}),
+    ('imu', 400, {quarter: {'imu': True} for quarter in range(4)})])
 def test_other_sensors_and_enabling_it_again_do_not_change_the_noise(sensor, count, switches,
                                                                      usual):
     first, other = ([np.asarray(getattr(value, 'linear_acceleration', value)).tolist()
@@ -140,8 +140,8 @@ def test_other_sensors_and_enabling_it_again_do_not_change_the_noise(sensor, cou
 
 
 @pytest.mark.parametrize('sensor, first, off', [
-    ('scan', 10, {}), ('imu', 401, {}), ('scan', 10, {0: {'scan': False}}),
-    ('imu', 401, {0: {'imu': False}})])
+    ('scan', 5, {}), ('imu', 201, {}), ('scan', 5, {0: {'scan': False}}),
+    ('imu', 201, {0: {'imu': False}})])
 def test_noise_of_a_reading_does_not_depend_on_when_the_sensor_was_enabled(sensor, first, off,
                                                                            usual):
     usual = seen_by(sensor, usual[1])[first:]
