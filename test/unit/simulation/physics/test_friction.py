@@ -102,7 +102,7 @@ def turn_rate(urdf, heading):
     simulator = assembled(urdf).simulator
     body = simulator.vehicles[0].robot
     body.place(body.pose()._replace(orientation=rotations.of_yaw(heading)))
-    return velocity(simulator, 0.0, 1.5, settle_s=1.5, seconds=2.5)[2]
+    return velocity(simulator, 0.0, 1.5, settle_s=1.0, seconds=1.5)[2]
 
 
 ONE_CASTER = robot(DRIVE, casters=(-0.13,))
