@@ -60,20 +60,10 @@ def test_rpy_turns_about_fixed_axes_roll_first():
     assert np.allclose(turned.apply(np.array([1, 0, 0])), [1, 3, 3])
 
 
-def test_transforms_compose():
-    a, b = transform((1, 0, 0), (0, 0, math.pi / 2)), transform((0, 2, 0), (0.4, 0, 0))
+def test_transforms_compose_and_have_an_inverse_and_a_matrix():
+    a, b = transform((1, 0, 0), (0, 0, math.pi / 2)), transform((1, -2, 3), (0.4, -0.3, 2.0))
     point = np.array([0.3, -0.2, 0.5])
     assert np.allclose((a @ b).apply(point), a.apply(b.apply(point)))
-
-
-def test_the_inverse_takes_points_back():
-    pose = transform((1, -2, 3), (0.4, -0.3, 2.0))
-    point = np.array([0.3, -0.2, 0.5])
-    assert np.allclose(pose.inverse.apply(pose.apply(point)), point)
-    assert np.allclose((pose @ pose.inverse).matrix(), np.eye(4))
-
-
-def test_a_homogeneous_matrix_moves_points_like_the_transform():
-    pose = transform((1, -2, 3), (0.4, -0.3, 2.0))
-    point = np.array([0.3, -0.2, 0.5])
-    assert np.allclose(pose.matrix() @ (*point, 1.0), (*pose.apply(point), 1.0))
+    assert np.allclose(b.inverse.apply(b.apply(point)), point)
+    assert np.allclose((b @ b.inverse).matrix(), np.eye(4))
+    assert np.allclose(b.matrix() @ (*point, 1.0), (*b.apply(point), 1.0))

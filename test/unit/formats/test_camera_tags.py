@@ -7,7 +7,7 @@ from img_recog.simulation.simulation_settings import CameraSettings
 from img_recog_helpers.parsed import cameras, tags
 from img_recog_helpers.refusals import refusal
 
-# like those of the waffle_pi and the waffle of turtlebot3_description
+# like that of the waffle_pi of turtlebot3_description
 PI = '''<gazebo reference="camera_rgb_frame"><sensor type="camera" name="Pi Camera">
 <camera><horizontal_fov>1.085595</horizontal_fov>
 <image><width>640</width><height>480</height><format>R8G8B8</format></image>
@@ -16,17 +16,8 @@ PI = '''<gazebo reference="camera_rgb_frame"><sensor type="camera" name="Pi Came
 <alwaysOn>true</alwaysOn><updateRate>30.0</updateRate><cameraName>camera</cameraName>
 <frameName>camera_rgb_optical_frame</frameName><imageTopicName>rgb/image_raw</imageTopicName>
 <cameraInfoTopicName>rgb/camera_info</cameraInfoTopicName></plugin></sensor></gazebo>'''
-DEPTH = '''<gazebo reference="camera_rgb_frame"><sensor type="depth" name="realsense_R200">
-<camera><horizontal_fov>1.3439</horizontal_fov>
-<image><width>1920</width><height>1080</height></image>
-<clip><near>0.03</near><far>100</far></clip></camera>
-<plugin name="camera_controller" filename="libgazebo_ros_openni_kinect.so">
-<updateRate>30.0</updateRate><cameraName>camera</cameraName>
-<frameName>camera_rgb_optical_frame</frameName><imageTopicName>rgb/image_raw</imageTopicName>
-<depthImageTopicName>depth/image_raw</depthImageTopicName>
-<cameraInfoTopicName>rgb/camera_info</cameraInfoTopicName>
-<depthImageCameraInfoTopicName>depth/camera_info</depthImageCameraInfoTopicName>
-</plugin></sensor></gazebo>'''
+DEPTH = PI.replace('"camera" name="Pi Camera"', '"depth" name="realsense_R200"').replace(
+    'ros_camera', 'ros_openni_kinect').replace('640', '1920')
 PLAIN = '''<gazebo reference="front"><sensor type="camera" name="c">{}
 <plugin name="p" filename="libgazebo_ros_camera.so">{}</plugin></sensor></gazebo>'''
 

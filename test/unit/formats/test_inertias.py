@@ -108,14 +108,11 @@ def read(inertial):
     return link.inertia
 
 
-@pytest.mark.parametrize('mass', [1e-20, 1, 1e9])
-def test_masses_that_can_be_used(mass):
-    inertias.check_mass('m', mass)
-
-
 @pytest.mark.parametrize('mass, words', [
     (0, 'got 0 kg, expected more than 0'), (-1, 'got -1 kg, expected more than 0'),
     (1e-21, 'got 1e-21 kg, expected more than 0'), (1.1e9, 'kg, expected at most 1e+09')])
 def test_masses_that_are_refused(mass, words):
+    for good in (1e-20, 1, 1e9):
+        inertias.check_mass('m', good)
     line = refusal(inertias.check_mass, 'm', mass, ' or none')
     assert line.startswith('m: got ') and line.endswith(words + ' or none')

@@ -45,11 +45,32 @@ def test_one_command_for_a_frame(publish, blue_and_red, red, changed):
     assert commander.decide(BOTH, 0.1) == blue_and_red and commander.decide(RED, 0.2) == changed
 
 
-def test_by_default_every_frame_has_its_commands_and_there_is_no_stop():
-    commander = Commander(settings(), 0.0)
-    assert [commander.decide(areas, 0.0) for areas in (BLUE, BLUE, NONE, BOTH, BOTH, RED)] == [
-        [FORWARD], [FORWARD], [], [FORWARD, BACKWARD], [FORWARD, BACKWARD], [BACKWARD]]
-    assert commander.wait(1e6) == commander.decide(NONE, 2e6) == commander.end() == []
+STOPS, CHANGES = {'stop_when_lost': 0.5}, {'publish_on_change': True}
+
+
+# areas, None for no image; when; and the commands
+@pytest.mark.parametrize('values, steps', [
+    ({}, [(BLUE, 10, [FORWARD]), (BLUE, 10, [FORWARD]), (NONE, 10, []),
+          (BOTH, 10, [FORWARD, BACKWARD]), (BOTH, 10, [FORWARD, BACKWARD]), (RED, 10, [BACKWARD]),
+          (None, 1e6, []), (NONE, 2e6, [])]),
+    (CHANGES, [(NONE, 10, []), (BLUE, 10, [FORWARD]), (BLUE, 10, []),
+               (BOTH, 10, [FORWARD, BACKWARD]), (BOTH, 10, []), (RED, 10, [BACKWARD]),
+               (NONE, 10, []), (NONE, 10, []), (RED, 10, [BACKWARD])]),
+    (STOPS, [(BLUE, 10.1, [FORWARD]), (NONE, 10.2, []), (NONE, 10.55, []), (NONE, 10.61, [STOP]),
+             (NONE, 10.7, []), (NONE, 20.0, []), (RED, 20.1, [BACKWARD]), (NONE, 20.7, [STOP])]),
+    (STOPS, [(BLUE, 10.1, [FORWARD]), (None, 10.2, []), (None, 10.59, []), (None, 10.61, [STOP]),
+             (None, 10.7, []), (None, 30.0, [])]),
+    (STOPS, [(None, 10.4, []), (None, 10.5, [STOP]), (None, 10.6, [])]),
+    ({**STOPS, **CHANGES}, [(BLUE, 10.1, [FORWARD]), (BLUE, 10.2, []), (None, 10.8, [STOP]),
+                            (BLUE, 10.9, [FORWARD])])],
+    ids=['default', 'on change', 'no color is seen', 'no image', 'no color was ever seen',
+         'the same command after a stop'])
+def test_commands_of_one_frame_after_the_other(values, steps):
+    commander = Commander(settings(**values), 10.0)
+    for areas, now_s, commands in steps:
+        found = commander.wait(now_s) if areas is None else commander.decide(areas, now_s)
+        assert found == commands, now_s
+    assert commander.end() == [STOP] * ('stop_when_lost' in values)
 
 
 def test_commands_of_the_newest_frame_are_known_even_if_they_are_not_published():
@@ -62,13 +83,6 @@ def test_commands_of_the_newest_frame_are_known_even_if_they_are_not_published()
     assert seen == [[FORWARD], [FORWARD], [FORWARD, BACKWARD], []]
 
 
-def test_publish_on_change():
-    commander = Commander(settings(publish_on_change=True), 0.0)
-    frames = (NONE, BLUE, BLUE, BOTH, BOTH, RED, NONE, NONE, RED)
-    assert [commander.decide(areas, 0.0) for areas in frames] == [
-        [], [FORWARD], [], [FORWARD, BACKWARD], [], [BACKWARD], [], [], [BACKWARD]]
-
-
 def test_commands_that_were_dropped_are_due_again():
     commander = Commander(settings(publish_on_change=True, stop_when_lost=0.5), 10.0)
     for _ in range(2):
@@ -79,37 +93,6 @@ def test_commands_that_were_dropped_are_due_again():
         assert commander.decide(NONE, now_s) == [STOP]
         commander.notify_dropped([STOP])
     assert commander.wait(11.1) == [STOP] and commander.wait(11.2) == []
-
-
-def test_stop_once_when_no_color_is_seen():
-    commander = Commander(settings(stop_when_lost=0.5), 10.0)
-    assert commander.decide(BLUE, 10.1) == [FORWARD]
-    assert commander.decide(NONE, 10.2) == commander.decide(NONE, 10.55) == []
-    assert commander.decide(NONE, 10.61) == [STOP]
-    assert commander.decide(NONE, 10.7) == commander.decide(NONE, 20.0) == []
-    assert commander.decide(RED, 20.1) == [BACKWARD]
-    assert commander.decide(NONE, 20.7) == [STOP]
-
-
-def test_stop_once_when_the_image_is_stale():
-    commander = Commander(settings(stop_when_lost=0.5), 10.0)
-    assert commander.decide(BLUE, 10.1) == [FORWARD]
-    assert [commander.wait(now) for now in (10.2, 10.59, 10.61, 10.7, 30.0)] == [
-        [], [], [STOP], [], []]
-
-
-def test_stop_when_no_color_was_ever_seen_and_on_shutdown():
-    commander = Commander(settings(stop_when_lost=0.5), 10.0)
-    assert [commander.wait(now) for now in (10.4, 10.5, 10.6)] == [[], [STOP], []]
-    assert commander.end() == [STOP]
-
-
-def test_the_same_command_after_a_stop_is_a_change():
-    commander = Commander(settings(stop_when_lost=0.5, publish_on_change=True), 0.0)
-    assert commander.decide(BLUE, 0.1) == [FORWARD]
-    assert commander.decide(BLUE, 0.2) == []
-    assert commander.wait(0.8) == [STOP]
-    assert commander.decide(BLUE, 0.9) == [FORWARD]
 
 
 def test_other_settings_apply_at_once():

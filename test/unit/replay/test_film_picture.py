@@ -25,15 +25,6 @@ def test_layout_is_as_it_was(tmp_path):
     assert_unchanged(picture, os.path.join(os.path.dirname(__file__), 'film.png'), tmp_path, 0)
 
 
-def test_all_parts_are_in_the_picture():
-    picture = draw(FilmPicture(SETTINGS.colors, [SQUARE]))
-    assert picture.shape == (HEIGHT, WIDTH, 3) and picture.dtype == np.uint8
-    camera, masked = picture[34:394, 10:490], picture[34:200, 500:730]
-    assert center_of(camera, BLUE) == pytest.approx((240, 180), abs=2)
-    assert center_of(masked, BLUE) is not None and center_of(masked, (190,) * 3) is None
-    assert (masked == 0).all(axis=2).mean() > 0.3
-
-
 def many_colors(count, hue=110):
     names = ['color_{}'.format(number) for number in range(count)]
     return with_colors(names)(**{

@@ -4,7 +4,6 @@ import functools
 import io
 import math
 
-import cv2
 import numpy as np
 import pytest
 import rosbag
@@ -153,12 +152,3 @@ def test_a_number_that_is_rounded_to_zero_has_no_sign():
     TableRecorder(csv.writer(file)).on_frame(FrameResult(frame(0, 0), 0, [], [], [], motion))
     row, = csv.DictReader(io.StringIO(file.getvalue()), TableRecorder.head([]))
     assert (row['x_m'], row['angular_z_rad_per_s']) == ('0.000000', '-0.000001')
-
-
-@pytest.mark.parametrize('world, seen', [('turtlebot3_world', PICTURE), ('empty', PICTURE),
-                                         ('empty', ((),))])
-def test_picture(world, seen):
-    image = cv2.imdecode(np.frombuffer(replayed(seen=seen, world=world)[2], np.uint8),
-                         cv2.IMREAD_COLOR)
-    assert image.shape == (900, 1400, 3)
-    assert 0.02 < np.mean(image.min(axis=2) < 200) < 0.5, 'neither empty nor filled'
