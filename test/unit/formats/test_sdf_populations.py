@@ -165,33 +165,28 @@ def test_the_poses_of_population_and_model_both_count(read):
         abs=1e-5)
 
 
-def test_the_corners_of_a_road(read):
-    tree, = read('<road name="bend"><width>3</width><point>0 0 1</point><point>0.5 0 1</point>'
-                 '<point>0.5 0 1</point><point>0.5 4 2</point><material><script>'
-                 '<name>Gazebo/Blue</name></script></material></road>')
-    visual, = tree.model.links[0].looks
-    assert visual.material.color == (0, 0, 1, 1)
-    part, = mesh_file.read(visual.shape.path)
-    corners = np.array([(0, 1.5, 1), (0, -1.5, 1), (0.5, 1.5, 1), (0.5, -1.5, 1), (-1, 0, 1),
-                        (2, 0, 1), (-1, 4, 2), (2, 4, 2)])
-    along = np.array([0, 0.5, 0.5, 4.5]) / 3
-    uvs = np.array([(u, v) for v in along for u in (0, 1)])
-    faces = generated_meshes.grid_faces(4, 2)
-    assert part.positions == pytest.approx(corners[faces], abs=1e-6)
-    assert part.uvs == pytest.approx(uvs[faces], abs=1e-6)
-    assert visual.shape.size == (1, 1, 1)
+ASIDE = 0.5 * np.sqrt(0.5)
 
 
-def test_a_road_crosses_a_corner_in_the_mean_direction(read):
-    tree, = read('<road><point>1 2 0</point><point>1.5 2 0</point><point>1.5 6 0</point></road>')
+@pytest.mark.parametrize('inside, corners, along', [
+    ('<width>3</width><point>0 0 1</point><point>0.5 0 1</point><point>0.5 0 1</point>'
+     '<point>0.5 4 2</point><material><script><name>Gazebo/Blue</name></script></material>',
+     [(0, 1.5, 1), (0, -1.5, 1), (0.5, 1.5, 1), (0.5, -1.5, 1), (-1, 0, 1), (2, 0, 1), (-1, 4, 2),
+      (2, 4, 2)], [0, 0.5 / 3, 0.5 / 3, 1.5]),
+    # across a corner in the mean direction
+    ('<point>1 2 0</point><point>1.5 2 0</point><point>1.5 6 0</point>',
+     [(1, 2.5, 0), (1, 1.5, 0), (1.5 - ASIDE, 2 + ASIDE, 0), (1.5 + ASIDE, 2 - ASIDE, 0),
+      (1, 6, 0), (2, 6, 0)], [0, 0.5, 4.5])])
+def test_the_corners_of_a_road(read, inside, corners, along):
+    tree, = read('<road>{}</road>'.format(inside))
     assert tree.name == tree.model.name == 'road'
-    visual, = tree.model.links[0].looks
-    part, = mesh_file.read(visual.shape.path)
-    aside = 0.5 * np.sqrt(0.5)
-    assert part.positions[0] == pytest.approx(np.array(
-        [(1, 2.5, 0), (1, 1.5, 0), (1.5 + aside, 2 - aside, 0)]), abs=1e-6)
-    assert part.positions[3] == pytest.approx(np.array(
-        [(1.5 - aside, 2 + aside, 0), (2, 6, 0), (1, 6, 0)]), abs=1e-6)
+    look, = tree.model.links[0].looks
+    part, = mesh_file.read(look.shape.path)
+    uvs = np.array([(u, v) for v in along for u in (0, 1)])
+    faces = generated_meshes.grid_faces(len(along), 2)
+    assert part.positions == pytest.approx(np.array(corners)[faces], abs=1e-6)
+    assert part.uvs == pytest.approx(uvs[faces], abs=1e-6) and look.shape.size == (1, 1, 1)
+    assert (look.material.color == (0, 0, 1, 1)) is ('Blue' in inside)
 
 
 def test_the_missing_look_of_a_road_and_its_name_are_told(tmp_path, read):
