@@ -27,7 +27,6 @@ LONGEST_S = 400.0       # of a command, on an idle machine
 _BLOCK = re.compile(r'^```(\w+)(?: needs ([\w ]+))?\n(.*?)^```$', re.MULTILINE | re.DOTALL)
 _TERMINAL = re.compile(r'(?:[Tt]erminal|ターミナル) (\d)')
 _CTRL_C = re.compile(r'Ctrl-C in terminal (\d)|ターミナル (\d) で Ctrl-C')
-_NUMBER = re.compile(r'(?<![\w.])-?\d+(?:\.\d+)?(?!\w)')
 
 
 class Step(NamedTuple):
@@ -63,22 +62,8 @@ def _steps(page: str) -> Iterator[Step]:
 
 
 def pattern(line: str) -> str:
-    """Return a regular expression for a printed line.
-
-    ... stands for anything, 0 for zero, and any other number for one with its sign.
-    """
-    parts, begin = [], 0
-    for number in _NUMBER.finditer(line):
-        parts += [re.escape(line[begin:number.start()]), _any_like(number.group())]
-        begin = number.end()
-    parts.append(re.escape(line[begin:]))
-    return r'(?m)^[ \t]*{}[ \t\r]*$'.format(''.join(parts).replace(re.escape('...'), '.*'))
-
-
-def _any_like(number: str) -> str:
-    if float(number) == 0:
-        return r'-?0(?:\.0+)?'
-    return ('-' if number.startswith('-') else '') + r'(?!0(?:\.0*)?(?![\d.]))\d[\d.]*'
+    """Return a regular expression for a printed line, in which ... stands for anything."""
+    return r'(?m)^[ \t]*{}[ \t\r]*$'.format(re.escape(line).replace(re.escape('...'), '.*'))
 
 
 class Terminal:
@@ -192,12 +177,9 @@ def test_the_japanese_lesson_has_the_same_steps(name):
         name) in japanese
 
 
-def test_a_lesson_that_is_wrong_is_found(ros, tmp_path):
-    page = 'In terminal 1:\n\n```bash\necho area 5\n```\n\n```text\n{}\n```\n'
-    follow(ros, steps(page.format('area 7')), tmp_path)
-    assert not re.search(pattern('area 0'), 'area 5') and re.search(pattern('x: 0.0'), 'x: 0.0')
-    assert not re.search(pattern('-1.5 m'), '1.5 m') and not re.search(pattern('a=3'), 'a=0')
-    (tmp_path / 'other').mkdir()
+@pytest.mark.parametrize('command, line', [
+    ('echo area 5', 'area 7'), ('echo area 5', 'area ...0'), ('no_such_program', '...')])
+def test_a_lesson_that_is_wrong_is_found(ros, tmp_path, command, line):
+    page = 'In terminal 1:\n\n```bash\n{}\n```\n\n```text\n{}\n```\n'
     with pytest.raises(AssertionError):
-        follow(ros, steps(page.replace('echo', 'no_such_program').format('area 7')),
-               tmp_path / 'other')
+        follow(ros, steps(page.format(command, line)), tmp_path)

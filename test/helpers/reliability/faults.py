@@ -46,7 +46,7 @@ def kill(demo: Demo, fault: Fault) -> Undo:
     """
     pid, (how,) = demo.pid(fault.node), fault.details
     if fault.node in demo.killed:
-        time.sleep(max(0.0, _LONG_LIFE_S - process_table.age_s(pid)))
+        wait_for(lambda: process_table.age_s(pid) > _LONG_LIFE_S, 'the age of ' + fault.node)
     demo.killed.add(fault.node)
     begin = time.monotonic()
     if how == 'rosnode':

@@ -5,7 +5,7 @@ import signal
 import stat
 import subprocess
 import sys
-import time
+import threading
 import xml.etree.ElementTree as ElementTree
 from concurrent.futures import ThreadPoolExecutor
 
@@ -129,9 +129,12 @@ def test_it_ends_with_a_process_that_is_killed(recording, tmp_path):
 
 
 def in_another_thread(call, *arguments):
-    """Return the result of a call in a thread that has ended."""
+    """Return the result of a call in a thread that has ended, also for the kernel."""
     with ThreadPoolExecutor(1) as thread:
-        return thread.submit(call, *arguments).result(DEADLINE_S)
+        result = thread.submit(call, *arguments).result(DEADLINE_S)
+        number = thread.submit(threading.get_native_id).result(DEADLINE_S)
+    wait_for(lambda: str(number) not in os.listdir('/proc/self/task'), 'the end of the thread')
+    return result
 
 
 def test_one_recording_for_all_who_start_and_stop_it(recording, tmp_path):
@@ -139,7 +142,7 @@ def test_one_recording_for_all_who_start_and_stop_it(recording, tmp_path):
     path = str(tmp_path / 'new.bag')
     assert recorder.path == '' == recorder.record(False)
     assert in_another_thread(recorder.record, True) == path
-    time.sleep(0.2)     # it would end now if the thread that is over were that of the recording
+    # it would have ended if the thread that is over were that of the recording
     assert in_another_thread(recorder.record, True) == path == recorder.path
     assert recorder.check() == '' and not os.path.exists(path)
     assert in_another_thread(recorder.record, False) == path and os.path.exists(path)
