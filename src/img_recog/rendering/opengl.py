@@ -15,6 +15,7 @@ from img_recog.rendering.target import Target
 
 _MAX_CEILING_M = 1e6            # instead of infinity
 _FLOOR_TOLERANCE_M = 0.001      # what lies on the floor, at the same height, is seen
+_BLOCK_ROWS = 32                # of an image, that the cache of the processor holds
 _CLIP_DISTANCE0, _CLIP_DISTANCE1 = 0x3000, 0x3001   # of OpenGL; moderngl has no names for them
 # GL_SAMPLE_ALPHA_TO_COVERAGE and _ONE: what is not opaque covers no samples
 _CUTOUT = 0x809E, 0x809F
@@ -92,13 +93,10 @@ class Renderer:
         A depth is the distance in m along the optical axis, +inf where there is nothing (REP 118).
         """
         with self._context:
-            encoded = self._encoded_depths(camera, camera_pose, matrices.from_poses(poses))
-        # from 1 down to 0: in 32 bits, the distances are as exact as the 24 bits that are stored
-        remaining = np.float32(1) - encoded
-        distances = np.float32(camera.far * camera.near) / (
-            remaining * np.float32(camera.far - camera.near) + np.float32(camera.near))
-        distances[remaining <= 0] = np.inf
-        return distances
+            depths = self._encoded_depths(camera, camera_pose, matrices.from_poses(poses))
+        for first in range(0, camera.height, _BLOCK_ROWS):
+            _decode(depths[first:first + _BLOCK_ROWS], camera)
+        return depths
 
     def _encoded_depths(self, camera: Pinhole, camera_pose: np.ndarray,
                         models: np.ndarray) -> np.ndarray:
@@ -117,8 +115,9 @@ class Renderer:
             self._context.enable_only(moderngl.DEPTH_TEST | moderngl.CULL_FACE)
             self._loader.depth['to_clip'].write(matrices.to_bytes(to_clip))
             self._loaded.floor.draw_depths()
-        encoded = np.frombuffer(target.depths.read(attachment=-1, dtype='f4'), np.float32)
-        return encoded.reshape(camera.height, camera.width)
+        encoded = np.empty((camera.height, camera.width), np.float32)
+        target.depths.read_into(encoded, attachment=-1, dtype='f4')
+        return encoded
 
     def _target(self, width: int, height: int) -> Target:
         if (width, height) not in self._targets:
@@ -163,6 +162,17 @@ class Renderer:
             batch.render(batch.shaded, is_seen)
             for option in _CUTOUT if is_cutout else ():
                 self._context.disable_direct(option)
+
+
+def _decode(depths: np.ndarray, camera: Pinhole) -> None:
+    """Replace what a depth buffer holds by distances, see `Renderer.depth`."""
+    # from 1 down to 0: in 32 bits, the distances are as exact as the 24 bits that are stored
+    remaining = np.subtract(np.float32(1), depths, out=depths)
+    is_nothing = remaining <= 0
+    remaining *= np.float32(camera.far - camera.near)
+    remaining += np.float32(camera.near)
+    np.divide(np.float32(camera.far * camera.near), remaining, out=depths)
+    depths[is_nothing] = np.inf
 
 
 def _projection(camera: Pinhole) -> np.ndarray:
