@@ -25,7 +25,6 @@ from img_recog.nodes.color_extract.color_extract_node import InputSettings
 from img_recog.nodes.gazebo.lockstep_settings import LockstepSettings
 from img_recog.nodes.gazebo.robot_reader import RobotsSettings, robot_settings_classes
 from img_recog.nodes.gazebo.stepping import SteppingSettings
-from img_recog.nodes.republish import RepublishSettings
 from img_recog.nodes.robots.robot_list import NodeSettings
 from img_recog.nodes.robots.robots_node import ManagerSettings
 from img_recog.nodes.web.web_settings import WebSettings
@@ -77,7 +76,6 @@ NODES: Dict[str, Node] = {
         PhysicsSettings, ViewSettings, RobotsSettings, LockstepSettings, SteppingSettings,
         *robot_settings_classes())),
     'turtlebot3_teleop_keyboard': Node('teleop_key', (TeleopSettings,)),
-    'image_republisher': Node('republish', (RepublishSettings,)),
     'robots': Node('robots.robots_node', (ManagerSettings, NodeSettings)),
     'web': Node('web.web_node', (WebSettings, VelocityLimits))}
 

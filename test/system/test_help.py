@@ -9,7 +9,7 @@ from img_recog_helpers import expected
 from img_recog_helpers.pages import ROOT
 
 NODES = ('usb_cam_node.py', 'color_img_recog.py', 'pybullet_sim.py', 'teleop_key.py',
-         'republish.py', 'robots.py', 'web.py')
+         'robots.py', 'web.py')
 # as from a launch file with args="--help"
 OF_ROSLAUNCH = ('__name:=other', 'cmd_vel:=/robot/cmd_vel', '_rate:=1')
 

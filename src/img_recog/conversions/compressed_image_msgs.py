@@ -61,9 +61,8 @@ def to_msg(image: np.ndarray, encoding: str, header: Header,
     return CompressedImage(header=header, data=data.tobytes(), format=text)
 
 
-def from_msg(msg: CompressedImage, encoding: str = 'bgr8',
-             max_pixels: int = DEFAULT_MAX_PIXELS) -> np.ndarray:
-    """Return the image of a message, converted to `encoding`.
+def from_msg(msg: CompressedImage, max_pixels: int = DEFAULT_MAX_PIXELS) -> np.ndarray:
+    """Return the image of a message in bgr8.
 
     The order of the colors follows the field format: with a color encoding but without
     'compressed bgr', the message is from an old publisher, which swapped red and blue in the
@@ -78,10 +77,10 @@ def from_msg(msg: CompressedImage, encoding: str = 'bgr8',
     if image is None:
         raise _image_error(msg, 'no image that OpenCV can read')
     decoded = _encoding_of(image, msg.format)
-    if decoded == encoding:
+    if decoded == 'bgr8':
         return image
     try:
-        return image_msgs.from_msg(image_msgs.to_msg(image, decoded, msg.header), encoding)
+        return image_msgs.from_msg(image_msgs.to_msg(image, decoded, msg.header), 'bgr8')
     except ImageError as error:
         raise _image_error(msg, error)
 

@@ -170,4 +170,4 @@ def _decode_raw(msg: Any, max_pixels: int) -> Decoded:
 
 
 def _decode_compressed(msg: Any, max_pixels: int) -> Decoded:
-    return Decoded(compressed_image_msgs.from_msg(msg, 'bgr8', max_pixels), 'bgr8')
+    return Decoded(compressed_image_msgs.from_msg(msg, max_pixels), 'bgr8')

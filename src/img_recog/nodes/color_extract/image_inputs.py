@@ -85,7 +85,7 @@ class CompressedInput:
 
         Raises ImageError naming format, size and reason.
         """
-        return compressed_image_msgs.from_msg(msg, max_pixels=self._max_pixels), 'bgr8'
+        return compressed_image_msgs.from_msg(msg, self._max_pixels), 'bgr8'
 
     def done(self, seconds: float) -> None:
         """Do nothing: all images are left to the loop."""
