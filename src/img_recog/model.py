@@ -289,7 +289,7 @@ class Joint(NamedTuple):
     """A joint between two links, given by their names.
 
     pose: of its frame, which is that of the child where the joint is at 0, in the parent; axis
-    (3,): of any length, in that frame; damping: N m s/rad or N s/m; friction: the torque or force
+    (3,): a unit vector in that frame; damping: N m s/rad or N s/m; friction: the torque or force
     that it takes to move it; stiffness: of its spring, N m/rad or N/m, which is at rest at
     `reference`, in rad or m. held: the largest force, in N or N m, with which a motor keeps it
     from moving; infinite if it keeps it at 0, and 0 if it is free.

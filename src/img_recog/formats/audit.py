@@ -11,6 +11,10 @@ NOT_KNOWN, NOT_USED, NOT_UNIQUE = 'not known', 'not used', 'not unique'
 _FORMATS: Mapping[str, Mapping[str, Row]] = {'sdf': SDF, 'robot': URDF}
 _UNIQUE = ('model', 'link', 'joint', 'visual', 'collision')     # by their names, in one parent
 _NAMED = ('model', 'link', 'joint')
+# of which an element can have several
+_MANY = frozenset('world model link joint collision visual sensor light plugin include population '
+                  'road frame point texture blend gazebo transmission material gripper uri '
+                  'camera polyline'.split())
 _TOLD = ('plugin', 'sensor', 'light', 'actor')    # which one it is
 _WORDS = {'true': True, '1': True, 'false': False, '0': False}
 _BOOLEAN = '?'             # after a name in the table
@@ -75,6 +79,7 @@ def _found(element: ElementTree.Element, path: Tuple[str, ...], place: str) -> I
         if name not in ATTRIBUTES[path[0]] and not name.startswith('{'):
             yield NOT_KNOWN, 'attribute {} of <{}>'.format(name, element.tag), place
     yield from _names(element, place)
+    seen = set()
     for child in element:
         # neither a comment nor of another format, like sdformat's <gz:...> and <drake:...>
         if not isinstance(child.tag, str) or ':' in child.tag or child.tag.startswith('{'):
@@ -88,6 +93,10 @@ def _found(element: ElementTree.Element, path: Tuple[str, ...], place: str) -> I
                 default is None or not _changes_nothing(element, child, default)):
             yield state, _label(child) if tag in _TOLD else '<{}>'.format(tag), place
         elif state == SIMULATED:
+            kind = 'shape' if element.tag == 'geometry' else tag
+            if kind in seen and kind not in _MANY:
+                yield NOT_USED, 'second {}<{}>'.format('shape ' * (kind != tag), tag), place
+            seen.add(kind)
             if default == _BOOLEAN:
                 yield from _boolean(child, place)
             yield from _found(child, inner, _below(place, child))

@@ -73,6 +73,16 @@ def read_direction(name: str, text: Optional[str]) -> np.ndarray:
     return values
 
 
+def read_axis(name: str, text: Optional[str]) -> np.ndarray:
+    """Return a direction as a unit vector (3,), as `read_direction` reads it.
+
+    >>> read_axis('axis of joint a', '0 3 4').tolist()
+    [0.0, 0.6, 0.8]
+    """
+    values = read_direction(name, text)
+    return values / np.linalg.norm(values)
+
+
 def read_lengths(name: str, text: Optional[str], count: int) -> np.ndarray:
     """Return `count` lengths in m, or scales; SimulationError when one is too large to be used.
 

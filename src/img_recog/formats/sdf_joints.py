@@ -7,7 +7,7 @@ import numpy as np
 
 from img_recog.errors import SimulationError
 from img_recog.formats.audit import NOT_USED
-from img_recog.formats.numbers import read_direction, read_limit, read_number
+from img_recog.formats.numbers import read_axis, read_limit, read_number
 from img_recog.formats.problems import Problems
 from img_recog.formats.sdf_frames import WORLD, Scope
 from img_recog.formats.sdf_versions import Version
@@ -15,12 +15,12 @@ from img_recog.formats.texts import is_true, name_of, text_of
 from img_recog.model import CONTINUOUS, FIXED, PRISMATIC, REVOLUTE
 from img_recog.rotations import IDENTITY, Transform
 
-BALL, GEARBOX, SCREW = 'ball', 'gearbox', 'screw'
+BALL, GEARBOX, SCREW, REVOLUTE2 = 'ball', 'gearbox', 'screw', 'revolute2'
 _RATIOS = {GEARBOX: 'gearbox_ratio', SCREW: 'thread_pitch'}
 # the axes of the kinds of joints: elements of an SDF's joint, or of the frame of a ball joint
 _AXES: Dict[str, Sequence[str]] = {
     FIXED: (), PRISMATIC: ('axis',), REVOLUTE: ('axis',), CONTINUOUS: ('axis',),
-    'universal': ('axis', 'axis2'), 'revolute2': ('axis', 'axis2'), BALL: (), SCREW: ('axis',),
+    'universal': ('axis', 'axis2'), REVOLUTE2: ('axis', 'axis2'), BALL: (), SCREW: ('axis',),
     GEARBOX: ('axis', 'axis2')}
 NO_LIMIT = 1e16                 # an SDF's number for that
 INCLUDED = 'included'           # an attribute of a model that another one includes
@@ -42,7 +42,7 @@ class SdfLink(NamedTuple):
 
 
 class Axis(NamedTuple):
-    """An axis of a joint, (3,) of any length, in its frame; limits: from and to, in rad or m;
+    """An axis of a joint, a unit vector (3,) in its frame; limits: from and to, in rad or m;
     dynamics: fields of a Joint; strength: of Limits; slides: whether the child slides along it."""
 
     direction: np.ndarray
@@ -137,6 +137,9 @@ class Joints:
             axes = tuple(map(Axis, np.eye(3)))
         elif kind == CONTINUOUS:
             axes = tuple(axis._replace(limits=None) for axis in axes)
+        elif kind == REVOLUTE2:     # as in ODE: the first one turns back, the second has no limits
+            axes = (axes[0]._replace(direction=-axes[0].direction),
+                    axes[1]._replace(limits=None))
         elif kind == SCREW:
             axes = (*axes, Axis(axes[0].direction, slides=True))
         name = _free_name(name, lambda each: any(each == other.name for other in self.joints))
@@ -148,7 +151,10 @@ class Joints:
             self._link_name(name, reference, prefix, model) if reference else '')
         if kind == GEARBOX:
             self.gearboxes.append(joint)
-        elif parent != child:
+        elif parent == child:
+            self._problems.add_finding(
+                NOT_USED, 'joint {}, which joins a link to itself,'.format(name), name_of(model))
+        else:
             self.joints.append(joint.reversed() if child == WORLD else joint)
 
     def _link_name(self, joint: str, text: str, prefix: str, model: ElementTree.Element) -> str:
@@ -173,8 +179,7 @@ class Joints:
         axis = joint.find(tag)
         if axis is None:
             return np.array([0.0, 0.0, 1.0])
-        direction = read_direction('<xyz> of joint ' + name_of(joint),
-                                   axis.findtext('xyz', '0 0 1'))
+        direction = read_axis('<xyz> of joint ' + name_of(joint), axis.findtext('xyz', '0 0 1'))
         in_model = axis.findtext('use_parent_model_frame')
         expressed = axis.find('xyz[@expressed_in]')     # since SDF 1.7
         base: Optional[Transform] = None

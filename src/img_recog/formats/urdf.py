@@ -10,7 +10,7 @@ from img_recog.files import FindFile
 from img_recog.formats import drive_controllers
 from img_recog.formats.drive_controllers import FindControllers
 from img_recog.formats.markup import MarkupError, check_expanded, parse_xml
-from img_recog.formats.numbers import read_direction, read_limit, read_number
+from img_recog.formats.numbers import read_axis, read_limit, read_number
 from img_recog.formats.texts import is_true, name_of
 from img_recog.formats.urdf_links import Links, origin_of, text_of_tags
 from img_recog.model import FIXED, PRISMATIC, REVOLUTE, Joint, Limits, Model, Tag
@@ -101,8 +101,8 @@ def _joint(joint: ElementTree.Element, links: List[str], robot: ElementTree.Elem
     direction = None
     # programs that export from CAD write the axis 0 0 0 where nothing moves
     if kind != FIXED:
-        direction = read_direction('axis of joint ' + name, '1 0 0' if axis is None
-                                   else axis.get('xyz', '1 0 0'))
+        direction = read_axis('axis of joint ' + name, '1 0 0' if axis is None
+                              else axis.get('xyz', '1 0 0'))
 
     def number(element: ElementTree.Element, key: str, default: str = '0') -> float:
         return read_limit('{} of joint {}'.format(key, name), element.get(key, default))

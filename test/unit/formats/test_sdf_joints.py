@@ -3,7 +3,7 @@ import numpy as np
 import pybullet
 import pytest
 
-from img_recog_helpers.sdf import INERTIAL, convert, load
+from img_recog_helpers.sdf import INERTIAL, convert, figures, load, model, simulated
 
 LINK = '<link name="{}"><pose>{} 0 0 0</pose>' + INERTIAL + '</link>'
 JOINT = '<joint name="{}" type="{}"><parent>{}</parent><child>{}</child>{}</joint>'
@@ -82,6 +82,32 @@ def test_a_pendulum_on_a_joint_of_several_axes_swings_in_both_directions(kind, a
         assert span[:2] == pytest.approx([abs(x) * 0.2, abs(y) * 0.2], abs=0.01)
 
 
+# what Gazebo 11.1 gives after 0.5 s for an arm on a joint at the middle of its end, which falls
+ARM = ('<joint name="w" type="fixed"><parent>world</parent><child>base</child></joint>'
+       '<link name="base"/><link name="arm"><pose>0.5 0 0 0 0 0</pose><inertial><mass>1</mass>'
+       '<inertia><ixx>0.000416667</ixx><iyy>0.0835417</iyy><izz>0.0835417</izz></inertia>'
+       '</inertial></link><joint name="j" type="{}"><pose>-0.5 0 0 0 0 0</pose>'
+       '<parent>base</parent><child>arm</child>{}</joint>')
+AXES_OF = ('<axis><xyz>{}</xyz><limit><lower>-0.4</lower><upper>0.3</upper></limit></axis><axis2>'
+           '<xyz>{}</xyz><limit><lower>-0.4</lower><upper>0.3</upper></limit></axis2>')
+ALONE = '<axis><xyz>{}</xyz></axis>'
+
+
+@pytest.mark.parametrize('kind, axes, positions', [
+    ('revolute', ALONE.format('0 2 0'), [1.6615]),
+    ('revolute', ALONE.format('0 1 0'), [1.6615]),
+    ('prismatic', ALONE.format('3 0 3'), [-0.8680]),
+    ('revolute2', AXES_OF.format('0 1 0', '0 0 1'), [-0.4, 0]),
+    ('revolute2', AXES_OF.format('0 -1 0', '0 0 1'), [0.3, 0]),
+    ('revolute2', AXES_OF.format('0 0 1', '0 1 0'), [0, 1.6615]),
+    ('universal', AXES_OF.format('0 1 0', '0 0 1'), [0.3, 0]),
+    ('universal', AXES_OF.format('0 0 1', '0 3 0'), [0, 0.3])])
+def test_axes_of_any_length_and_direction(kind, axes, positions):
+    simulator = simulated(model('m', ARM.format(kind, axes)))
+    found = figures(simulator, 0.5).joints()['m::j']
+    assert found[::2] == pytest.approx(positions, abs=2e-3)
+
+
 def joints_of(tree):
     return [(joint.name, joint.parent, joint.child, joint.axis.tolist())
             for joint in tree.model.joints]
@@ -128,7 +154,8 @@ def test_joints_of_a_model_in_a_model():
     tree, = convert(LINK.format('a', '0 0 0'), '<frame name="g" attached_to="f"/>',
                     '<frame name="f" attached_to="a"/>', inner.format(''),
                     JOINT.format('j', 'revolute', 'g', 'n::b', ABOUT_Y),
-                    JOINT.format('k', 'revolute', 'a', 'a', ABOUT_Y))
+                    JOINT.format('k', 'revolute', 'a', 'a', ABOUT_Y),
+                    findings=('joint k, which joins a link to itself, of m',))
     assert joints_of(tree) == [('j', 'a', 'n::b', [0, 1, 0])]
     trees = convert(inner.format(JOINT.format('j', 'fixed', 'b', 'c', '')), problems=[
         'joint n::j has the link n::c, which does not exist'])

@@ -21,7 +21,6 @@ from img_recog.simulation.physics.body import Vector
 from img_recog.simulation.physics.client import link_indices
 from img_recog.simulation.physics.framed_body import FramedBody
 from img_recog.simulation.physics.tyres import ACROSS
-from img_recog.simulation.physics.wheels import axis_of
 
 _PERIOD_STEPS, _GRIPPING_STEPS = 10, 40
 _PARALLEL = 0.7
@@ -66,7 +65,7 @@ class Directions:
         self._springs = stiffness.springs(body)
         for joint in body.model.joints:
             if joint.child + ACROSS in indices:
-                link, axle = indices[joint.child], axis_of(joint)
+                link, axle = indices[joint.child], np.asarray(joint.axis)
                 surface = surfaces[joint.child]
                 direction = np.array(surface.direction) / np.linalg.norm(surface.direction)
                 turn = rotations.matrix(pybullet.getDynamicsInfo(

@@ -16,7 +16,7 @@ import numpy as np
 from img_recog.model import (CONTINUOUS, CYLINDER, FIXED, PART, REVOLUTE, SPHERE, Joint, Link,
                              Model, Shape, Solid)
 from img_recog.rotations import IDENTITY, Transform
-from img_recog.simulation.physics.wheels import axis_of, mesh_outline
+from img_recog.simulation.physics.wheels import mesh_outline
 
 ACROSS = '::across'     # in the name of the second link of a wheel
 _TREAD_M = 0.002
@@ -38,7 +38,7 @@ def added(model: Model, driven: Collection[str] = ()) -> Model:
     for joint in model.joints:
         joints.append(joint)
         if joint.kind in (CONTINUOUS, REVOLUTE):
-            wheel, axis = links[joint.child], axis_of(joint)
+            wheel, axis = links[joint.child], np.asarray(joint.axis)
             if wheel.solids and all(_is_round(solid, axis) for solid in wheel.solids):
                 joints[-1] = _lower_than(wheel, joint)
             solids = [_round(solid, axis) for solid in wheel.solids
@@ -104,7 +104,7 @@ def _shod(solid: Solid, joint: Joint) -> Iterator[Solid]:
 def _treads(solid: Solid, joint: Joint) -> Iterator[Solid]:
     """Yield those of a cylinder about the axis of its joint; other solids as they are."""
     if (solid.shape.kind != CYLINDER or solid.shape.size[1] <= _TREAD_M
-            or not _is_round(solid, axis_of(joint))):
+            or not _is_round(solid, np.asarray(joint.axis))):
         yield solid
         return
     radius, length = solid.shape.size

@@ -95,7 +95,7 @@ def _middle(side: Sequence[_Wheel]) -> np.ndarray:
 
 
 def _wheel(joint: Joint, model: Model) -> _Wheel:
-    frame, axis = _pose(joint, model), axis_of(joint)
+    frame, axis = _pose(joint, model), np.asarray(joint.axis)
     link, = (link for link in model.links if link.name == joint.child)
     middle, diameter = _measured(link.solids or link.looks, axis)
     turned = frame.rotation @ axis
@@ -171,9 +171,3 @@ def _corners(path: str, _: float) -> np.ndarray:
 
 def _changed_at(path: str) -> float:
     return os.path.getmtime(path) if os.path.exists(path) else 0.0
-
-
-def axis_of(joint: Joint) -> np.ndarray:
-    """Return the axis (3,) of a joint that moves in the frame of its child, a unit vector."""
-    axis: Any = joint.axis
-    return axis / np.linalg.norm(axis)

@@ -190,7 +190,7 @@ def test_what_is_worth_a_warning(measured, given, diameter, count):
 def test_the_axis_of_a_joint(axis, wanted):
     joint, = given('<robot><link name="a"/><link name="b"/><joint name="j" type="continuous">'
                    '<parent link="a"/><child link="b"/>{}</joint></robot>'.format(axis)).joints
-    assert wheels.axis_of(joint) == pytest.approx(wanted)
+    assert joint.axis == pytest.approx(wanted)
 
 
 def outline(path, axis, inside='', origin=''):
