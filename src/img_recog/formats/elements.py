@@ -35,6 +35,9 @@ _NOISE = Row('type mean stddev bias_mean bias_stddev precision',
              not_simulated='dynamic_bias_stddev=0 dynamic_bias_correlation_time=0')
 _CAMERA = Row('horizontal_fov image clip noise distortion lens pose depth_camera',
               no_effect='save visibility_mask', why='images are published')
+_STATE = Row('pose link scale model', no_effect='joint', why='as in Gazebo, which sets links alone')
+_STATE_LINK = Row('pose', no_effect='acceleration wrench',
+                  not_simulated='velocity=0,0,0,0,0,0', why='they follow')
 
 # of sensors, which both formats have
 SENSORS: Dict[str, Row] = {
@@ -94,9 +97,8 @@ SDF: Dict[str, Row] = {
     'gui/camera': Row('pose', no_effect='view_controller track_visual projection_type name'),
     'state': Row('model', no_effect='sim_time wall_time real_time iterations',
                  not_simulated='insertions deletions light joint', why='time begins at 0'),
-    'state/model': Row('pose link', no_effect='scale', not_simulated='joint model'),
-    'state/model/link': Row('pose', no_effect='acceleration wrench',
-                            not_simulated='velocity=0,0,0,0,0,0', why='they follow'),
+    'state/model': _STATE, 'state/model/link': _STATE_LINK,
+    'state/model/model': _STATE, 'state/model/model/link': _STATE_LINK,
     'model': Row('static? pose link joint include model frame sensor self_collide?',
                  no_effect='allow_auto_disable enable_wind light',
                  not_simulated='gripper plugin', why='nothing falls asleep here, there is no '

@@ -4,7 +4,9 @@ from typing import Dict, Mapping, Optional
 
 import numpy as np
 
+from img_recog.formats.numbers import read_lengths, words
 from img_recog.formats.sdf_frames import pose_of, set_pose
+from img_recog.formats.texts import name_of, text_of
 from img_recog.model import PRISMATIC, Joint, Tree
 from img_recog.rotations import Transform
 
@@ -20,9 +22,37 @@ def apply(model: ElementTree.Element, state: Optional[ElementTree.Element]) -> S
     for each in () if state is None else state.findall('model'):
         if each.get('name') == model.get('name'):
             set_pose(model, pose_of(each))
-            starts = {link.get('name', ''): pose_of(link) for link in each.findall('link')
-                      if link.find('pose') is not None}
+            starts = _started(model, each)
     return starts
+
+
+def _started(model: ElementTree.Element, state: ElementTree.Element, prefix: str = '') -> Starts:
+    """Resize the shapes of a model, and return where the links of it and of those in it are."""
+    scale = read_lengths('<scale> of model ' + name_of(model),
+                         text_of(state, 'scale') or '1 1 1', 3)
+    for part in ('collision', 'visual'):
+        for geometry in model.iterfind('link/{}/geometry'.format(part)):
+            _resize(geometry, scale)
+    starts = {prefix + name_of(link): pose_of(link) for link in state.findall('link')
+              if link.find('pose') is not None}
+    within = {name_of(nested): nested for nested in model.findall('model')}
+    for each in state.findall('model'):
+        name = name_of(each)
+        if name in within:
+            inside = '{}{}::'.format(prefix, name)
+            starts.update({inside + name_of(link): pose_of(each) @ pose_of(link)
+                           for link in within[name].findall('link')})
+            starts.update(_started(within[name], each, inside))
+    return starts
+
+
+def _resize(geometry: ElementTree.Element, scale: np.ndarray) -> None:
+    """Multiply the sizes of the shapes that Gazebo scales."""
+    for path, factor in (('box/size', scale), ('sphere/radius', scale.max()),
+                         ('cylinder/radius', scale[:2].max()), ('cylinder/length', scale[2])):
+        element = geometry.find(path)
+        if element is not None:
+            element.text = words(factor * read_lengths(path, element.text, np.size(factor)))
 
 
 def started(tree: Tree, starts: Starts, model: Transform) -> Tree:
@@ -46,9 +76,8 @@ def _position(joint: Joint, start: Transform) -> float:
     if joint.axis is None:
         return 0.0
     moved = joint.pose.inverse @ start
-    axis = joint.axis / np.linalg.norm(joint.axis)
     if joint.kind == PRISMATIC:
-        return float(moved.translation @ axis)
+        return float(moved.translation @ joint.axis)
     turn = moved.rotation
     sine = np.array([turn[2, 1] - turn[1, 2], turn[0, 2] - turn[2, 0], turn[1, 0] - turn[0, 1]])
-    return float(np.arctan2(sine @ axis, np.trace(turn) - 1))
+    return float(np.arctan2(sine @ joint.axis, np.trace(turn) - 1))

@@ -261,6 +261,25 @@ def test_the_state_has_six_numbers_and_replaces_the_pose(folder):
     assert rotations.to_rpy(tree.pose.rotation) == pytest.approx((0.1, 0.2, 0.3))
 
 
+def test_the_state_moves_the_links_of_nested_models_and_scales_shapes(folder):
+    def solid(name, geometry):
+        return '<link name="{0}"><collision name="c"><geometry>{1}</geometry></collision></link>' \
+            .format(name, geometry)
+    trees = read(
+        folder, '<model name="a">{}<model name="in">{}</model><model name="at">{}</model>'
+        '</model>'.format(
+            solid('s', '<sphere><radius>1</radius></sphere>') + solid(
+                'c', '<cylinder><radius>1</radius><length>1</length></cylinder>'),
+            solid('b', '<box><size>1 2 3</size></box>'), LINK),
+        '<state><model name="a"><scale>2 2 3</scale><model name="in"><scale>1 1 2</scale>'
+        '<link name="b"><pose>4 1 0 0 0 0</pose></link></model><model name="at">'
+        '<pose>5 1 0 0 0 0</pose></model><model name="other"/></model></state>').trees
+    found = [(tree.pose.translation.tolist(), [solid.shape.size for link in tree.model.links
+                                               for solid in link.solids]) for tree in trees]
+    assert found == [([0, 0, 0], [(3,)]), ([0, 0, 0], [(2, 3)]), ([4, 1, 0], [(1, 2, 6)]),
+                     ([5, 1, 1], [])]
+
+
 @pytest.mark.parametrize('inside, gravity', [
     ('', sdf_file.GRAVITY), ('<gravity>1 2 3</gravity>', (1, 2, 3)),
     ('<physics><gravity>1 2 3</gravity></physics>', sdf_file.GRAVITY),
