@@ -1,17 +1,15 @@
 """The picture of a drive: areas, commands and velocity over time, and the path in the world."""
 import colorsys
-from typing import IO, Dict, List, Sequence, Tuple, Union
+from typing import IO, Dict, List, Sequence, Tuple
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.gridspec import SubplotSpec
 from matplotlib.patches import Polygon
 from matplotlib.ticker import FuncFormatter
 
 from img_recog.command_line import results
-from img_recog.recognition.recognition_settings import Color
-from img_recog.replay.plot_data import SPEED, TIME, TURN, YAW, PlotColor, PlotData, X, Y
+from img_recog.replay.plot_data import SPEED, TIME, TURN, YAW, PlotData, X, Y
 
 _SIZE_IN, _DPI, _FONT_SIZE = (14.0, 9.0), 100, 10.0
 _DARK, _FAINT, _LINEAR, _ANGULAR = '#222222', '#999999', '#2ca02c', '#9467bd'
@@ -22,56 +20,35 @@ _MAX_TICK_PX = 250_000          # longer numbers do not fit beside the axis
 _LEGEND_COLUMNS = 4             # legends with more entries do not fit beside the title
 
 
-class ReplayFigure:
-    """A figure and its axes, which are created before there is data to draw.
-
-    figure: that of matplotlib.
-    """
-
-    def __init__(self) -> None:
-        with results.style(_FONT_SIZE):
-            self.figure = Figure(figsize=_SIZE_IN, dpi=_DPI)
-            # fixed positions: computing a layout takes as long as drawing
-            self._over_time = [self.figure.add_subplot(row) for row in self._rows(4)]
-            self._map = self.figure.add_axes((0.67, 0.43, 0.31, 0.49))
-            self._close_up = self.figure.add_axes((0.67, 0.07, 0.31, 0.27))
-
-    def _rows(self, count: int) -> List[SubplotSpec]:
-        grid = self.figure.add_gridspec(count, 1, left=0.06, right=0.56, top=0.92, bottom=0.07,
-                                        hspace=0.32)
-        return [grid[row] for row in range(count)]
-
-    def _remove_areas(self) -> None:
-        areas, *others = self._over_time
-        areas.remove()
-        for axes, row in zip(others, self._rows(len(others))):
-            axes.set_position(row.get_position(self.figure))
-
-    def draw(self, file: IO[bytes], title: str, data: PlotData) -> None:
-        """Draw the data and write the figure as PNG; to be called only once."""
-        with results.style(_FONT_SIZE):
-            self.figure.suptitle(title, x=0.06, y=0.98, ha='left')
-            areas, commands, speed, position = self._over_time
-            _draw_areas(areas, data.areas, data.colors)
-            _draw_commands(commands, data.commands, data.idle)
-            _draw_speed(speed, data.motion)
-            _draw_position(position, data.motion)
-            for axes in self._over_time:
-                axes.set_xlim(0, max(data.end_s, 1e-3))
-                axes.tick_params(labelbottom=axes is position)
-            position.set_xlabel('time (s)')
-            if not data.colors:
-                self._remove_areas()
-            _draw_map(self._map, data)
-            _draw_close_up(self._close_up, data)
-            results.write_picture(file, self.figure)
+def draw(file: IO[bytes], title: str, data: PlotData) -> None:
+    """Draw the data and write the figure as PNG."""
+    with results.style(_FONT_SIZE):
+        results.write_picture(file, figure_of(title, data))
 
 
-def _draw_areas(axes: Axes, rows: np.ndarray,
-                colors: Sequence[Union[Color, PlotColor]]) -> None:
+def figure_of(title: str, data: PlotData) -> Figure:
+    """Return the figure; without colors, the other charts have the room of the areas."""
+    figure = Figure(figsize=_SIZE_IN, dpi=_DPI)
+    figure.suptitle(title, x=0.06, y=0.98, ha='left')
+    charts = [*([_draw_areas] if data.colors else []), _draw_commands, _draw_speed, _draw_position]
+    # fixed positions: computing a layout takes as long as drawing
+    grid = figure.add_gridspec(len(charts), 1, left=0.06, right=0.56, top=0.92, bottom=0.07,
+                               hspace=0.32)
+    for row, draw_chart in enumerate(charts):
+        axes = figure.add_subplot(grid[row])
+        draw_chart(axes, data)
+        axes.set_xlim(0, max(data.end_s, 1e-3))
+        axes.tick_params(labelbottom=draw_chart is charts[-1])
+    axes.set_xlabel('time (s)')
+    _draw_map(figure.add_axes((0.67, 0.43, 0.31, 0.49)), data)
+    _draw_close_up(figure.add_axes((0.67, 0.07, 0.31, 0.27)), data)
+    return figure
+
+
+def _draw_areas(axes: Axes, data: PlotData) -> None:
     limits: Dict[int, List[str]] = {}
-    for number, color in enumerate(colors):
-        axes.plot(rows[:, 0], rows[:, 1 + number], color=line_color(color.hue), label=color.name)
+    for number, color in enumerate(data.colors):
+        axes.plot(data.areas[:, 0], data.areas[:, 1 + number], color=line_color(color.hue), label=color.name)
         if color.area_limit_px is not None:
             limits.setdefault(color.area_limit_px, []).append(color.name)
     for limit_px, names in limits.items():
@@ -91,7 +68,8 @@ def _draw_areas(axes: Axes, rows: np.ndarray,
     _finish(axes)
 
 
-def _draw_commands(axes: Axes, commands: np.ndarray, idle: np.ndarray) -> None:
+def _draw_commands(axes: Axes, data: PlotData) -> None:
+    commands, idle = data.commands, data.idle
     if len(idle):
         axes.plot(idle[:, 0], idle[:, 1], linestyle='', marker='|', markersize=6,
                   color=_FAINT, label='idle sender')
@@ -106,14 +84,16 @@ def _draw_commands(axes: Axes, commands: np.ndarray, idle: np.ndarray) -> None:
     _finish(axes)
 
 
-def _draw_speed(axes: Axes, rows: np.ndarray) -> None:
+def _draw_speed(axes: Axes, data: PlotData) -> None:
+    rows = data.motion
     axes.plot(rows[:, TIME], rows[:, SPEED], color=_LINEAR, label='linear (left)')
     _two_scales(axes, rows[:, TIME], rows[:, TURN], 'angular (right)',
                 ('linear (m/s)', 'angular (rad/s)'), 0.05)
     _set_title(axes, 'Speed of the robot')
 
 
-def _draw_position(axes: Axes, rows: np.ndarray) -> None:
+def _draw_position(axes: Axes, data: PlotData) -> None:
+    rows = data.motion
     for column, style, name in ((X, '-', 'x (left)'), (Y, ':', 'y (left)')):
         axes.plot(rows[:, TIME], rows[:, column] - rows[0, column], style, color=_LINEAR,
                   label=name)

@@ -90,8 +90,8 @@ def replay(options: argparse.Namespace, begin_s: float, interrupts: Interrupts) 
         if film is not None:
             film.close(end_ns / SECOND_NS)
         # imported here because loading matplotlib takes time, and the loop may fail
-        from img_recog.replay.figure import ReplayFigure
-        ReplayFigure().draw(png_file, 'Replay of {}, {}, in the world {}'.format(
+        from img_recog.replay import figure
+        figure.draw(png_file, 'Replay of {}, {}, in the world {}'.format(
             os.path.basename(options.input) or "the robot's camera", counted(plot.frames, 'frame'),
             os.path.basename(options.world)),
                             plot.data(end_ns / SECOND_NS, footprints(simulator.world)))

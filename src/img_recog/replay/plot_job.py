@@ -19,7 +19,7 @@ from img_recog.processes.signals import Interrupts
 from img_recog.recognition import parameter_file
 from img_recog.recognition.recognition_settings import RecognitionSettings
 from img_recog.recordings.bag_file import DAMAGE_ERRORS, damaged, open_bag
-from img_recog.replay.figure import ReplayFigure
+from img_recog.replay import figure
 from img_recog.replay.plot_data import PlotData
 from img_recog.replay.recorded_drive import RecordedDrive, odometry_of, topics_beside
 from img_recog.ros import timed_xmlrpc
@@ -62,7 +62,7 @@ def _make(arguments: List[str], _: Interrupts) -> str:
         data, warning = _read(path, title, odometry, options.robot, settings)
         if warning:
             _log.warning('the picture does not show %s', warning)
-        ReplayFigure().draw(file, 'Drive of {}, {:.1f} s'.format(title, data.end_s), data)
+        figure.draw(file, 'Drive of {}, {:.1f} s'.format(title, data.end_s), data)
     return '{}: {:.1f} s, {}, {}'.format(
         output, data.end_s, counted(len(data.motion), 'pose'),
         counted(len(data.commands) + len(data.idle), 'command'))

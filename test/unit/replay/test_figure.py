@@ -32,12 +32,15 @@ def rows(colors, turns=True):
 
 
 def drawn(colors):
-    file, all_rows, picture = io.BytesIO(), rows(TWO), figure.ReplayFigure()
+    file, all_rows = io.BytesIO(), rows(TWO)
     all_rows[:, 1] += 1e5
-    picture.draw(file, 'a test', PlotData(
+    data = PlotData(
         colors, all_rows[:, :6], np.delete(all_rows, range(1, 6), 1)[:, :1 + len(colors)],
-        np.empty((0, 3)), np.empty((0, 3)), 0.24, []))
-    close_up, = (axes for axes in picture.figure.axes if axes.get_title('left') == 'Close up')
+        np.empty((0, 3)), np.empty((0, 3)), 0.24, [])
+    figure.draw(file, 'a test', data)
+    picture = figure.figure_of('a test', data)
+    picture.canvas.draw()
+    close_up, = (axes for axes in picture.axes if axes.get_title('left') == 'Close up')
     assert close_up.yaxis.get_offset_text().get_text() == ''        # numbers are whole ones
     return cv2.imdecode(np.frombuffer(file.getvalue(), np.uint8), cv2.IMREAD_GRAYSCALE)
 
@@ -60,9 +63,9 @@ def test_without_colors_the_other_charts_have_the_room_of_the_areas():
     ('replay_five', FIVE, False, [(0.0, 10.0, 0.0)], [], []),
     ('replay_nine', NINE, False, [(0.0, 10.0, 0.0)], [], [])])
 def test_layout_is_as_it_was(name, colors, turns, recognition, teleop, outlines, tmp_path):
-    drawn, file = figure.ReplayFigure(), io.BytesIO()
+    file = io.BytesIO()
     drawn_rows = rows(colors, turns)
-    drawn.draw(file, 'a test', PlotData(
+    figure.draw(file, 'a test', PlotData(
         colors, drawn_rows[:, :6], np.delete(drawn_rows, range(1, 6), 1),
         np.reshape(recognition, (-1, 3)), np.reshape(teleop, (-1, 3)), 0.24, outlines))
     assert_unchanged(of_matplotlib(file.getvalue()),

@@ -34,7 +34,7 @@ def run(monkeypatch, capsys, tmp_path, handlers_as_before):
 
     def run(*arguments):
         drawn = FakeFigure()
-        monkeypatch.setattr(figure, 'ReplayFigure', lambda: drawn)
+        monkeypatch.setattr(figure, 'draw', drawn.draw)
         monkeypatch.setattr(sys, 'argv', ['replay.py', *map(str, arguments)])
         code = job.main(time.perf_counter() - 1000)
         return code, capsys.readouterr().out, drawn

@@ -14,7 +14,7 @@ from std_msgs.msg import Header, String
 from img_recog.conversions import color_detection_msgs, plane_msgs, twist_msgs
 from img_recog.conversions.plane_msgs import PlanePose
 from img_recog.recognition.recognition_settings import with_colors
-from img_recog.replay import plot_job
+from img_recog.replay import figure, plot_job
 from img_recog.replay.recorded_drive import RecordedDrive
 from img_recog.recordings.bag_file import BagFile
 from img_recog.replay.plot_data import PlotColor
@@ -168,8 +168,7 @@ def running(tmp_path, monkeypatch):
         monkeypatch.setenv('ROS_MASTER_URI', servers[0].uri)
         return drawn, topics, ticks
     monkeypatch.setattr(plot_job, 'BagRecording', record)
-    monkeypatch.setattr(plot_job, 'ReplayFigure', lambda: SimpleNamespace(
-        draw=lambda file, title, data: drawn.append((title, data))))
+    monkeypatch.setattr(figure, 'draw', lambda file, title, data: drawn.append((title, data)))
     yield start
     for server in servers:
         server.stop()

@@ -12,8 +12,8 @@ from img_recog.command_line import results
 from img_recog.conversions import color_detection_msgs, robot_msgs, twist_msgs
 from img_recog.recognition.commands import Command
 from img_recog.recognition.recognition_settings import with_colors
+from img_recog.replay import figure
 from img_recog.replay.chain import Chain, ColorRecognition, CommandSent, FrameResult
-from img_recog.replay.figure import ReplayFigure
 from img_recog.replay.recorders import BagRecorder, PlotRecorder, TableRecorder
 from img_recog.simulation.physics.body import Motion
 from img_recog.simulation.physics.footprints import footprints
@@ -50,7 +50,7 @@ def replayed(start_ns=0, seen=PICTURE, world='turtlebot3_world', **odometry):
         chain = Chain(simulator, recognition, True, [log, bag, TableRecorder(rows), plot])
         chain.end(PERIOD_NS + chain.run(recognition.measure(frames)))
     bag.close()
-    ReplayFigure().draw(png_file, 'a test', plot.data(len(seen) * 0.04,
+    figure.draw(png_file, 'a test', plot.data(len(seen) * 0.04,
                                                       footprints(simulator.world)))
     return bag_file.value, csv_file.getvalue().decode(), png_file.getvalue(), log
 
