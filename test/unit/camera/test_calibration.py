@@ -58,7 +58,6 @@ def write(path, content):
 
 
 def refused_load(path, content):
-    """Return the error line of loading a file with this content."""
     write(path, content)
     line = refusal(calibration.load, path)
     assert path in line

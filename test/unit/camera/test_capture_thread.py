@@ -50,8 +50,6 @@ class RealFile(FrameSource):
 
 
 class Counter(Listener):
-    """Counts frames, losses and reconnections."""
-
     def __init__(self):
         self.frames = self.losses = self.reconnections = 0
 
@@ -67,7 +65,6 @@ class Counter(Listener):
 
 @pytest.fixture
 def device(tmp_path):
-    """The path of the file that the source holds open."""
     path = tmp_path / 'device'
     path.touch()
     return str(path)

@@ -109,7 +109,6 @@ def stated():
 
 
 def ffmpeg(*words):
-    """Run ffmpeg; return the process with what it says."""
     return subprocess.run(['ffmpeg', '-v', 'error', *words], stdin=subprocess.DEVNULL,
                           stderr=subprocess.PIPE, universal_newlines=True)
 
@@ -153,7 +152,6 @@ class Made:
 
 @pytest.fixture(scope='module')
 def made(tmp_path_factory):
-    """The films and pictures."""
     return Made(tmp_path_factory.mktemp('kinds'))
 
 
@@ -165,7 +163,6 @@ def by_ffmpeg(path, shape):
 
 
 def of_camera(path):
-    """Return the frames that the camera node publishes."""
     source, images = open_file(path, 30.0, loop=False), []
     try:
         if isinstance(source, ImageSource):

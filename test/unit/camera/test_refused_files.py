@@ -19,7 +19,6 @@ NOT_PLAYABLE = ('cannot play {}: neither a video nor an image that OpenCV reads;
 
 
 def refusal(path):
-    """Return the error line of opening `path` as video_device."""
     with pytest.raises(SourceError) as refused:
         open_source(UsbCamSettings(video_device=str(path)))
     assert '\n' not in str(refused.value)
@@ -28,7 +27,6 @@ def refusal(path):
 
 @pytest.fixture
 def devices(monkeypatch):
-    """The device files that there are."""
     found = []
     monkeypatch.setattr('img_recog.camera.device_source.glob.glob', {'/dev/video*': found}.get)
     return found

@@ -9,7 +9,6 @@ from img_recog.loading import resources
 
 @pytest.fixture
 def mesh(tmp_path):
-    """A file in a folder of models."""
     path = tmp_path / 'models' / 'shelf' / 'meshes' / 'shelf.dae'
     path.parent.mkdir(parents=True)
     path.write_text('<COLLADA/>')

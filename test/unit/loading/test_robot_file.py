@@ -30,7 +30,6 @@ needs_module = pytest.mark.skipif(
 
 
 def add_package(folder, name):
-    """Return the folder of a new ROS package."""
     (folder / name).mkdir(parents=True)
     (folder / name / 'package.xml').write_text(
         '<package><name>{}</name><version>1.0.0</version><description>d</description>'

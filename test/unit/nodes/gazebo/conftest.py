@@ -32,8 +32,6 @@ class FakePublisher:
 
 
 class FakeCompressed(FakePublisher):
-    """Stands in for CompressedImages."""
-
     def __init__(self, topic, latch=False):
         super().__init__(topic + '/compressed')
 

@@ -54,7 +54,6 @@ def shot(x, camera=CAMERA, depth=False):
 
 @pytest.fixture
 def warnings(monkeypatch):
-    """The warnings that are logged."""
     logged = []
     monkeypatch.setattr(image_process.rospy, 'logwarn', lambda text, *values: logged.append(
         text % values))

@@ -21,8 +21,6 @@ _NOT_YET_S = 0.2        # in which a thread must not have ended
 
 
 class FakeProcess:
-    """Takes requests."""
-
     def __init__(self, scene, poses, cameras, niceness):
         self.scene, self.poses, self.cameras, self.niceness = scene, poses, cameras, niceness
         self.is_ready = self.is_busy = self.is_started = self.has_lost = False
@@ -51,8 +49,6 @@ class FakeProcess:
 
 
 class FakeStatics(dict):
-    """Takes static transforms by their owner."""
-
     set, remove = dict.__setitem__, dict.pop
 
 

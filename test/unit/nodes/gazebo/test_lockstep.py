@@ -16,8 +16,6 @@ from img_recog.settings import SettingError
 
 
 class FakeSubscriber:
-    """Passes on what the test sends."""
-
     made = {}
 
     def __init__(self, name, data_class, callback, buff_size=0):

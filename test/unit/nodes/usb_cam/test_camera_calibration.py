@@ -38,7 +38,6 @@ class FakeRos:
 
 @pytest.fixture
 def ros(monkeypatch):
-    """A FakeRos instead of rospy."""
     fake = FakeRos()
     monkeypatch.setattr(camera_info, 'rospy', fake)
     return fake

@@ -10,7 +10,6 @@ from img_recog.nodes.usb_cam.device_controls import CameraControls
 
 @pytest.fixture
 def lines(monkeypatch):
-    """The lines of the log."""
     logged = []
     monkeypatch.setattr(device_controls, 'rospy', SimpleNamespace(
         loginfo=lambda text, *values: logged.append(text % values),

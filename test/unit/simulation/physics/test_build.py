@@ -34,7 +34,6 @@ def loaded(model, **more):
 
 
 def seen(model, *flags, **more):
-    """Return what PyBullet shows of a model."""
     body, client = loaded(model, visuals=True, **more)
     return pybullet.getVisualShapeData(body, *flags, **client)
 
@@ -76,7 +75,6 @@ TWO_BOXES = ''.join(
 
 
 def robot(*shapes):
-    """Return a model of one link."""
     return given('<robot name="r"><link name="a">{}{}</link></robot>'.format(
         INERTIAL, ''.join(shapes)), str)
 

@@ -15,7 +15,6 @@ CUBE = sdf.box(0.2, 0.2, 0.2)
 
 
 def world_of(*poses):
-    """Return a world with a crate at each pose."""
     return sdf.world(*(sdf.body('crate{}'.format(number), pose, CUBE, mass=2, moments=0.02)
                        for number, pose in enumerate(poses)), name='crates.world')
 

@@ -39,8 +39,6 @@ class Slipping(Wheels):
 
 
 class Rig:
-    """A drive and its wheels."""
-
     def __init__(self, robot=None, **settings):
         self.drive = DifferentialDrive(burgers_drive(**settings))
         self.robot = robot or Wheels(0.0, 0.0)

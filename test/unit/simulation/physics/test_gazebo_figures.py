@@ -15,7 +15,6 @@ CUBE = sdf.box(0.2, 0.2, 0.2)
 
 
 def simulated(*models):
-    """Return a simulator of some models on a floor."""
     return sdf.simulated(sdf.BUILT_IN, *models)
 
 

@@ -15,7 +15,6 @@ def inline(pose):
 
 
 def fallen(world, name, seconds):
-    """Return where a body is after some time."""
     body, = [body for body in world.bodies if body.name == name]
     world.step(round(seconds / world.step_s))
     return body.pose().position

@@ -18,8 +18,6 @@ def client():
 
 
 class Shape:
-    """A shape in a body of its own."""
-
     def __init__(self, client, kind, size, position=(0, 0, 0), orientation=(0, 0, 0, 1)):
         self.kind, self.size = kind, size
         names = {pybullet.GEOM_BOX: ('halfExtents',), pybullet.GEOM_SPHERE: ('radius',),

@@ -52,7 +52,6 @@ def helpers(monkeypatch, clock):
 
 
 def above(*inside):
-    """Return the view above a world of these elements."""
     return view.above(sdf.world(*inside))
 
 

@@ -17,7 +17,6 @@ from img_recog_helpers.sdf import BUILT_IN, CRATE, SHELF, model, sdf
 
 
 def shelf_with(*visual):
-    """Return a static shelf with a visual of these elements."""
     return SHELF.replace('</link>', '<visual name="v">' + ''.join(visual) + '</visual></link>')
 
 
