@@ -30,32 +30,22 @@ def test_no_drift_at_a_rate_that_is_not_a_binary_fraction(clock):
     assert elapsed_s == pytest.approx(29999 / 30.0, abs=1e-6)
 
 
-@pytest.mark.parametrize('late_s', [0.09375, PERIOD_S])
-def test_delay_of_at_most_a_period_is_caught_up(pacer, clock, late_s):
-    pacer.delay_s()
-    clock.advance(PERIOD_S + late_s)
-    assert pacer.delay_s() == 0.0
-    assert pacer.delay_s() == PERIOD_S - late_s
-
-
-@pytest.mark.parametrize('missed', [1, 2, 7, 1000])
-def test_no_burst_after_a_frame_late_by_more_than_a_period(pacer, clock, missed):
-    pacer.delay_s()
-    clock.advance((1 + missed) * PERIOD_S + 0.03125)
-    assert pacer.delay_s() == 0.0
-    assert pacer.delay_s() == PERIOD_S - 0.03125        # a multiple of the period
-    clock.advance(PERIOD_S - 0.03125)
-    assert pacer.delay_s() == PERIOD_S
-
-
-def test_frames_with_times_are_due_at_them(pacer, clock):
-    start, due = clock.now_s, []
-    for time_s in (0.0, 0.5, 0.53125, 2.0):
-        clock.advance(pacer.delay_s(time_s))
-        due.append(clock.now_s - start)
-    assert due == [0.0, 0.5, 0.53125, 2.0]
-    clock.advance(1.03125)      # late by 8 periods: so are all after it
-    assert [pacer.delay_s(2.03125), pacer.delay_s(2.5)] == [0.0, 0.46875]
+# the seconds before a frame, its time if it has one, and the delay
+@pytest.mark.parametrize('steps', [
+    # late by at most a period: that is caught up
+    *([(0.0, None, 0.0), (PERIOD_S + late_s, None, 0.0), (0.0, None, PERIOD_S - late_s)]
+      for late_s in (0.09375, PERIOD_S)),
+    # by more: no burst, and the deadlines are multiples of the period
+    *([(0.0, None, 0.0), ((1 + missed) * PERIOD_S + 0.03125, None, 0.0),
+       (0.0, None, PERIOD_S - 0.03125), (PERIOD_S - 0.03125, None, PERIOD_S)]
+      for missed in (1, 2, 7, 1000)),
+    # frames with times are due at them; one that is late by 8 periods makes all after it late
+    [(0.0, 0.0, 0.0), (0.0, 0.5, 0.5), (0.5, 0.53125, 0.03125), (0.03125, 2.0, 1.46875),
+     (2.5, 2.03125, 0.0), (0.0, 2.5, 0.46875)]])
+def test_delays(pacer, clock, steps):
+    for before_s, time_s, delay_s in steps:
+        clock.advance(before_s)
+        assert pacer.delay_s(time_s) == delay_s
 
 
 def kept(intervals, rate_hz):
@@ -78,14 +68,10 @@ def test_frames_are_dropped_evenly(given_hz, wanted_hz, steps):
     assert {b - a for a, b in zip(numbers[3:], numbers[4:])} == steps
 
 
-def test_jitter_does_not_change_the_rate():
-    numbers = kept([0.010, 0.023, 0.017, 0.0166] * 300, 30.0)
-    assert len(numbers) == pytest.approx(600, abs=3)
-
-
-def test_after_a_pause_there_is_no_burst():
-    numbers = kept([1 / 60] * 120 + [10.0] + [1 / 60] * 120, 30.0)
-    assert 118 <= len(numbers) <= 124
+@pytest.mark.parametrize('intervals, count', [
+    ([0.010, 0.023, 0.017, 0.0166] * 300, 600), ([1 / 60] * 120 + [10.0] + [1 / 60] * 120, 121)])
+def test_neither_jitter_nor_a_pause_changes_the_rate(intervals, count):
+    assert len(kept(intervals, 30.0)) == pytest.approx(count, abs=3)
 
 
 @pytest.mark.parametrize('given_hz, keeps_all', [

@@ -11,35 +11,26 @@ def moving(linear_x=0.0, angular_z=0.0):
                   np.array([0, 0, angular_z]))
 
 
-def test_says_only_what_is_new():
+def spot(before, turn):
+    """Return the motions of a robot that turns on the spot and drifts, and what is said."""
+    drift = 0.009 * max(1.0, abs(turn))
+    first = {0.0: None, 0.2: 'drives forward', -0.2: 'drives backward'}[before]
+    return ([(before, 0), (-drift, turn), (drift, turn), (-drift, turn), (0, 0)],
+            [first, 'turns left' if turn > 0 else 'turns right', None, None, 'stands'])
+
+
+@pytest.mark.parametrize('motions, said', [
+    # only what is new
+    ([(speed, 0) for speed in (0, 0.01, 0.03, 0.5, 0.01, 0.004, 0)],
+     [None, None, 'drives forward', None, None, 'stands', None]),
+    # a turn began with more than 0.03 rad/s
+    ([(-0.2, 0), (0, 0.3), (0, -0.3), (0, -0.03), (0, 0)],
+     ['drives backward', 'turns left', 'turns right', None, 'stands']),
+    *(spot(before, turn) for before in (0.0, 0.2, -0.2) for turn in (0.3, 1.0, 2.8, -1.0)),
+    # in a curve
+    *(([(speed, turn), (0.9 * speed, turn), (speed, turn), (0.0, turn)],
+       ['drives forward', None, None, 'turns left'])
+      for speed, turn in ((0.05, 0.5), (0.1, 2.0), (0.22, 2.8)))])
+def test_what_is_said(motions, said):
     state = MotionState()
-    changes = [state.update(moving(speed)) for speed in (0, 0.01, 0.03, 0.5, 0.01, 0.004, 0)]
-    assert changes == [None, None, 'drives forward', None, None, 'stands', None]
-
-
-def test_backward_and_turning():
-    state = MotionState()
-    assert state.update(moving(-0.2)) == 'drives backward'
-    assert state.update(moving(0, 0.3)) == 'turns left'
-    assert state.update(moving(0, -0.3)) == 'turns right'
-    assert state.update(moving(0, -0.03)) is None       # it began with more
-    assert state.update(moving()) == 'stands'
-
-
-@pytest.mark.parametrize('turning', [0.3, 1.0, 2.8, -1.0])
-@pytest.mark.parametrize('before', [0.0, 0.2, -0.2])
-def test_a_robot_that_turns_on_the_spot_and_drifts_turns(turning, before):
-    state = MotionState()
-    state.update(moving(before))
-    drift = 0.009 * max(1.0, abs(turning))
-    changes = [state.update(moving(linear_x, turning)) for linear_x in (-drift, drift, -drift)]
-    assert changes == ['turns left' if turning > 0 else 'turns right', None, None]
-    assert state.update(moving()) == 'stands'
-
-
-@pytest.mark.parametrize('linear_x, angular_z', [(0.05, 0.5), (0.1, 2.0), (0.22, 2.8)])
-def test_a_robot_in_a_curve_drives(linear_x, angular_z):
-    state = MotionState()
-    changes = [state.update(moving(share * linear_x, angular_z)) for share in (1.0, 0.9, 1.0)]
-    assert changes == ['drives forward', None, None]
-    assert state.update(moving(0.0, angular_z)) == 'turns left'
+    assert [state.update(moving(*motion)) for motion in motions] == said
