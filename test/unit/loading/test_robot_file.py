@@ -184,20 +184,35 @@ def test_module_leaves_the_packages_of_ros_2_as_they_were(box, monkeypatch):
     assert {name: sys.modules[name] for name in others} == others
 
 
-@needs_module
-def test_module_without_the_package_says_which(box, monkeypatch):
-    monkeypatch.setenv('ROS_PACKAGE_PATH', '')
-    words = refusal(box)
-    assert 'there is no ROS package toy_description; source the workspace' in words
+INCLUDE = '<xacro:include filename="$(find {})/a.xacro"/>'
+# the texts of the file and of the one that it includes; words of the line, and its end
+PROBLEMS = {
+    'no XML': ('<robot', COMMON, 'unclosed token', ''),
+    'a name': (XACRO.replace('0.5 *', 'height *'), COMMON, "'height' is not defined", ''),
+    'an argument': (XACRO.replace('arg side', 'arg width'), COMMON, 'width', ''),
+    'a package': (XACRO.replace('toy', 'lost'), COMMON,
+                  'there is no ROS package lost_description; source the workspace', ''),
+    'all packages': (
+        XACRO.replace('<link', INCLUDE.format('lost_arm') + '<!-- $(find nobody) -->'
+                      + INCLUDE.format('lost_base') + '<link'), COMMON,
+        'there is no ROS package lost_arm, lost_base; source', ''),
+    'a name in a macro': (XACRO, COMMON.replace('${half}', '${whole}'),
+                          "name 'whole' is not defined",
+                          'when instantiating macro: shape ({common}), in file: {box}'),
+    'no XML in what is included': (XACRO, COMMON.replace('</visual>', ''),
+                                   'mismatched tag: line 2, column ',
+                                   'when processing file: {common}, included from: {box}')}
 
 
 @needs_module
-@pytest.mark.parametrize('text, words', [
-    ('<robot', 'unclosed token'), (XACRO.replace('0.5 *', 'height *'), 'height'),
-    (XACRO.replace('arg side', 'arg width'), 'width')], ids=['not XML', 'name', 'argument'])
-def test_module_that_fails_is_a_line_with_its_reason(box, text, words):
+@pytest.mark.parametrize('text, included, words, end', list(PROBLEMS.values()), ids=list(PROBLEMS))
+def test_module_that_fails_is_a_line_with_its_reason(box, tmp_path, text, included, words, end):
+    common = tmp_path / 'packages' / 'toy_description' / 'urdf' / 'common.xacro'
+    common.write_text(included)
     pathlib.Path(box).write_text(text)
-    assert 'xacro cannot expand' in refusal(box) and words in refusal(box)
+    line = refusal(box)
+    assert line.startswith('xacro cannot expand ') and words in line
+    assert line.endswith(end.format(common=common, box=box))
 
 
 @needs_module
@@ -212,27 +227,6 @@ def test_a_urdf_has_no_arguments(tmp_path):
     assert 'it is no .xacro file, and has no argument arm:=true; set urdf to the file' in line
     (tmp_path / 'my.urdf a=b').write_text(URDF)
     assert robot_file.read(str(tmp_path / 'my.urdf a=b')) == URDF
-
-
-@needs_module
-def test_an_error_names_the_macro_and_the_file_that_is_included(box, tmp_path):
-    common = tmp_path / 'packages' / 'toy_description' / 'urdf' / 'common.xacro'
-    common.write_text(COMMON.replace('${half}', '${whole}'))
-    line = refusal(box)
-    assert "name 'whole' is not defined" in line and line.endswith(
-        'when instantiating macro: shape ({}), in file: {}'.format(common, box))
-    common.write_text(COMMON.replace('</visual>', ''))
-    line = refusal(box)
-    assert 'mismatched tag: line 2, column ' in line and line.endswith(
-        'when processing file: {}, included from: {}'.format(common, box))
-
-
-@needs_module
-def test_all_packages_that_are_missing_are_named(box):
-    include = '<xacro:include filename="$(find {})/a.xacro"/>'
-    pathlib.Path(box).write_text(XACRO.replace('<link', '{}<!-- $(find nobody) -->{}<link'.format(
-        include.format('lost_arm'), include.format('lost_base'))))
-    assert 'there is no ROS package lost_arm, lost_base; source' in refusal(box)
 
 
 @needs_module
