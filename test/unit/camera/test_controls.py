@@ -15,16 +15,20 @@ from img_recog_helpers.descriptors import times_open
 class FakeDevice:
     """A camera with the given controls; records the values that are set."""
 
-    def __init__(self, *control_ids, low=0, high=255, settable=True, values=(), names=None):
+    def __init__(self, *control_ids, low=0, high=255, settable=True, values=(), names=None,
+                 refused=None):
         self._controls = [Control(each, (names or NAMES)[each], low, high, 1, 0, settable)
                           for each in control_ids]
-        self.values, self.done, self.refused = dict(values), [], None
+        self.values, self.done, self.refused = dict(values), [], refused
 
     def controls(self):
         return self._controls
 
     def get(self, control_id):
-        return self.values.get(control_id, 0)
+        value = self.values.get(control_id, 0)
+        if isinstance(value, OSError):
+            raise value
+        return value
 
     def set(self, control_id, value):
         if self.refused is not None:
@@ -68,73 +72,54 @@ def test_settings_have_the_ids_of_the_kernel():
         (0x009a090a, 16)]
 
 
-@pytest.mark.parametrize('highest, wanted', [(1, 0), (2, 0), (3, 3), (4, 3)])
-def test_automatic_exposure_is_the_mode_that_the_camera_has(highest, wanted):
-    device = FakeDevice(controls.EXPOSURE_AUTO, high=highest, values={controls.EXPOSURE_AUTO: 1})
-    apply(device, ControlSettings(), {})
-    assert device.done == [(controls.EXPOSURE_AUTO, wanted)]
+NOT_THERE = 'the camera has no control {}; v4l2-ctl --list-ctrls lists its controls'.format
+DEFAULTS = [(controls.AUTO_WHITE_BALANCE, 1), (controls.FOCUS_AUTO, 0)]
+BUSY = OSError(errno.EBUSY, 'Device or resource busy')
+ABSENT = {'brightness': 5, 'contrast': 5, 'saturation': 5, 'sharpness': 5, 'gain': 0,
+          'auto_white_balance': False, 'white_balance': 9, 'autoexposure': False, 'exposure': 9,
+          'focus': 3}
 
 
-def test_exposure_mode_that_cannot_be_read_is_not_changed():
-    device = FakeDevice(controls.EXPOSURE_AUTO)
-
-    def refuse(control_id):
-        raise OSError(errno.EIO, 'Input/output error')
-    device.get = refuse
-    assert apply(device, ControlSettings(), {}) == [] and device.done == []
+def exposure(highest, value=1):
+    return FakeDevice(controls.EXPOSURE_AUTO, high=highest, values={controls.EXPOSURE_AUTO: value})
 
 
-@pytest.mark.parametrize('ids, settings, done', [
-    ([], ControlSettings(), []),
-    (ALL, ControlSettings(), [(controls.AUTO_WHITE_BALANCE, 1), (controls.FOCUS_AUTO, 0)]),
+def gain(**more):
+    return FakeDevice(controls.GAIN, low=10, high=90, **more)
+
+
+# a device, settings, other controls by name; what is set, and what is said
+@pytest.mark.parametrize('device, settings, intrinsic, done, problems', [
+    # automatic modes like usb_cam
+    (FakeDevice(), {}, {}, [], []),
+    (FakeDevice(*ALL, values={controls.EXPOSURE_AUTO: 3}), {}, {}, DEFAULTS, []),
     # manual values while the automatic mode is on
-    (ALL, ControlSettings(autofocus=True, focus=6, exposure=70, white_balance=3000),
-     [(controls.AUTO_WHITE_BALANCE, 1), (controls.FOCUS_AUTO, 1)])])
-def test_automatic_modes_are_set_like_by_usb_cam(ids, settings, done):
-    device = FakeDevice(*ids, values={controls.EXPOSURE_AUTO: 3})
-    assert apply(device, settings, {}) == [] and device.done == done
-
-
-@pytest.mark.parametrize('values', [
-    {'brightness': 5, 'contrast': 5, 'saturation': 5, 'sharpness': 5, 'gain': 0,
-     'auto_white_balance': False, 'white_balance': 9, 'autoexposure': False, 'exposure': 9,
-     'focus': 3}, {'autofocus': True}])
-def test_missing_controls_are_named(values):
-    device = FakeDevice(0x00980903)
-    assert apply(device, ControlSettings(**values), {}) == [
-        'the camera has no control {}; v4l2-ctl --list-ctrls lists its controls'.format(name)
-        for name in values]
-    assert device.done == []
-
-
-@pytest.mark.parametrize('value, settable, refused, problem', [
-    (10, True, None, ''), (90, True, None, ''), (9, True, None, 'got 9, allowed is 10 to 90'),
-    (91, True, None, 'got 91, allowed is 10 to 90'), (50, False, None, 'it cannot be set'),
-    (50, True, OSError(errno.EBUSY, 'Device or resource busy'),
-     'the camera refuses 50: Device or resource busy')])
-def test_value_that_cannot_be_set_is_one_line(value, settable, refused, problem):
-    device = FakeDevice(controls.GAIN, low=10, high=90, settable=settable)
-    device.refused = refused
-    problems = apply(device, ControlSettings(gain=value), {})
-    assert problems == (['control gain: ' + problem] if problem else [])
-    assert device.done == ([] if problem else [(controls.GAIN, value)])
-
-
-def test_the_others_are_set_after_a_problem():
-    device = FakeDevice(controls.BRIGHTNESS, controls.CONTRAST)
-    assert len(apply(device, ControlSettings(brightness=256, contrast=90), {})) == 1
-    assert device.done == [(controls.CONTRAST, 90)]
-
-
-def test_intrinsic_controls_have_any_name_of_the_device_and_are_set_last():
-    device = FakeDevice(0x00980903, controls.BRIGHTNESS)
-    assert apply(device, ControlSettings(brightness=9), {'hue': 7, 'brightness': 8}) == []
-    assert device.done == [(controls.BRIGHTNESS, 9), (0x00980903, 7), (controls.BRIGHTNESS, 8)]
-
-
-def test_unknown_intrinsic_control_is_named():
-    assert apply(FakeDevice(controls.GAIN), ControlSettings(), {'gian': 1}) == [
-        'the camera has no control gian; did you mean gain?']
+    (FakeDevice(*ALL, values={controls.EXPOSURE_AUTO: 3}),
+     {'autofocus': True, 'focus': 6, 'exposure': 70, 'white_balance': 3000}, {},
+     [(controls.AUTO_WHITE_BALANCE, 1), (controls.FOCUS_AUTO, 1)], []),
+    # automatic exposure is the mode that the camera has; one that cannot be read is not changed
+    *((exposure(highest), {}, {}, [(controls.EXPOSURE_AUTO, wanted)], [])
+      for highest, wanted in ((1, 0), (2, 0), (3, 3), (4, 3))),
+    (exposure(3, OSError(errno.EIO, 'Input/output error')), {}, {}, [], []),
+    (FakeDevice(0x00980903), ABSENT, {}, [], list(map(NOT_THERE, ABSENT))),
+    (FakeDevice(0x00980903), {'autofocus': True}, {}, [], [NOT_THERE('autofocus')]),
+    # values that can be set, and that cannot
+    *((gain(), {'gain': value}, {}, [(controls.GAIN, value)], []) for value in (10, 90)),
+    *((gain(), {'gain': value}, {}, [],
+       ['control gain: got {}, allowed is 10 to 90'.format(value)]) for value in (9, 91)),
+    (gain(settable=False), {'gain': 50}, {}, [], ['control gain: it cannot be set']),
+    (gain(refused=BUSY), {'gain': 50}, {}, [],
+     ['control gain: the camera refuses 50: Device or resource busy']),
+    # the others are set after a problem
+    (FakeDevice(controls.BRIGHTNESS, controls.CONTRAST), {'brightness': 256, 'contrast': 90}, {},
+     [(controls.CONTRAST, 90)], ['control brightness: got 256, allowed is 0 to 255']),
+    # intrinsic controls have any name of the device and are set last
+    (FakeDevice(0x00980903, controls.BRIGHTNESS), {'brightness': 9}, {'hue': 7, 'brightness': 8},
+     [(controls.BRIGHTNESS, 9), (0x00980903, 7), (controls.BRIGHTNESS, 8)], []),
+    (gain(), {}, {'gian': 1}, [], ['the camera has no control gian; did you mean gain?'])])
+def test_what_is_set_and_what_is_said(device, settings, intrinsic, done, problems):
+    assert apply(device, ControlSettings(**settings), intrinsic) == problems
+    assert device.done == done
 
 
 @pytest.mark.parametrize('name, variable', [
