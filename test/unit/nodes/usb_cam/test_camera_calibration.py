@@ -123,49 +123,36 @@ def test_refused_url_names_the_parameter_with_its_namespace(make, url, words):
     assert words in line
 
 
-@pytest.mark.parametrize('fields, words', [
-    ({'K': [float('nan')] * 9}, 'camera_matrix (wants finite numbers, has nan)'),
-    ({'width': 320}, 'the calibration is for 320x480, the images are 640x480')])
-def test_bad_calibration_is_refused_and_the_file_stays(make, answer, ros, tmp_path, fields, words):
-    before = calibration.load(saved(tmp_path))
-    made = make()
-    made.set_image_size(640, 480)
+SYNTHETIC = {'video_device': 'synthetic', 'image_width': 320, 'image_height': 240}
+
+
+# settings, the size of the images if it is known, what is asked for, and the answer
+@pytest.mark.parametrize('settings, size, fields, is_good, words', [
+    ({}, (640, 480), {'K': [float('nan')] * 9}, False,
+     'camera_matrix (wants finite numbers, has nan)'),
+    ({}, (640, 480), {'width': 320}, False,
+     'the calibration is for 320x480, the images are 640x480'),
+    ({}, (640, 480), {}, True, '/calibration.yaml'),
+    ({}, None, {'width': 0, 'height': 0}, False, 'image_width'),
+    ({}, None, {}, True,
+     'its size 640x480 could not be checked: the camera has not been opened yet'),
+    # that of the synthetic scene is known before it is open
+    (SYNTHETIC, None, {}, False, 'the calibration is for 640x480, the images are 320x240'),
+    (SYNTHETIC, None, {'width': 320, 'height': 240}, True, '/calibration.yaml')])
+def test_a_calibration_is_written_and_published_if_it_is_good(
+        make, answer, ros, tmp_path, settings, size, fields, is_good, words):
+    path = saved(tmp_path, distortion=[0.2] * 5)
+    made = make(**settings)
+    if size:
+        made.set_image_size(*size)
     response = answer(**fields)
-    assert not response.success and words in response.status_message
-    assert [level for level, _ in ros.lines] == ['err']
-    assert calibration.load(str(tmp_path / 'calibration.yaml')) == before
-    assert list(made.to_msg(Header()).K) == GIVEN['K']
-
-
-def test_good_calibration_is_written_and_published(make, answer, tmp_path):
-    made = make()
-    made.set_image_size(640, 480)
-    response = answer()
-    assert (response.success, response.status_message) == (
-        True, str(tmp_path / 'calibration.yaml'))
-    assert list(made.to_msg(Header()).K) == GIVEN['K']
-
-
-def test_size_that_is_not_known_yet_is_reported_as_unchecked(make, answer, tmp_path):
-    made = make()
-    assert not answer(width=0, height=0).success
-    assert not os.path.exists(str(tmp_path / 'calibration.yaml'))
-    response = answer()
-    assert response.success
-    assert response.status_message.endswith(
-        'its size 640x480 could not be checked: the camera has not been opened yet')
+    assert response.success is is_good and words in response.status_message
+    assert [level for level, _ in ros.lines if level == 'err'] == ['err'] * (not is_good)
+    kept = calibration.load(path)
+    assert kept.distortion == (0.1 if is_good else 0.2,) * 5
     made.set_image_size(320, 240)
-    assert made.to_msg(Header()).K[0] == 250.0
-
-
-def test_size_of_the_synthetic_scene_is_known_before_it_is_open(make, answer, tmp_path):
-    make(video_device='synthetic', image_width=320, image_height=240)
-    response = answer()
-    assert not response.success
-    assert response.status_message == (
-        'the calibration is for 640x480, the images are 320x240')
-    assert answer(width=320, height=240).success
-    assert calibration.load(str(tmp_path / 'calibration.yaml')).width == 320
+    msg = made.to_msg(Header())
+    assert tuple(msg.D) == kept.distortion and msg.K[0] == 500 * 320 / kept.width
 
 
 @pytest.mark.parametrize('name', ['head_camera', '0', '_Front2', 'a-b.c d', '${ROS_HOME}'])
