@@ -138,39 +138,34 @@ def test_a_contradiction_is_a_warning(settings, lines):
 
 NOT_MEASURED = ('robot.urdf: the URDF does not state the diameter of the wheels, and it cannot be '
                 'measured: 0.15 m is assumed; if that is wrong, set the parameter wheel_diameter')
+PLAIN = '<mesh filename="wheel"/>'
 DIFF_DRIVE = {'leftJoint': 'left_0_joint', 'rightJoint': 'right_0_joint'}
 
 
-def with_mesh(tmp_path, text, shape='<mesh filename="wheel"/>', **tags):
-    """Return the diameter, the separation and the lines about the wheels of a robot."""
-    path = str(tmp_path / 'wheel.obj')
-    with open(path, 'w') as file:
-        file.write(text)
+IS_0_16 = ('robot.urdf: wheel_diameter is 0.12 m, but in the URDF it is 0.16 m: the robot will '
+           'move at another speed than commanded')
+IN_MM = '<mesh filename="wheel" scale="0.001 0.001 0.001"/>'
+
+
+# a mesh, the shape of the wheels and tags; the diameter, and what is said about the wheels
+@pytest.mark.parametrize('mesh, shape, tags, diameter, lines', [
+    (wheeled.wheel_mesh(0.08), PLAIN, {}, 0.16, []),
+    (wheeled.wheel_mesh(80, width=50), IN_MM, {}, 0.16, []),
+    # what is no wheel about the axis cannot be measured, and need not be if a diameter is given
+    (wheeled.wheel_mesh(0.08, (0.05, 0.0)), PLAIN, {}, 0.15, [NOT_MEASURED]),
+    (wheeled.wheel_mesh(0.08, (0.0, -0.3)), PLAIN, {}, 0.15, [NOT_MEASURED]),
+    (wheeled.wheel_mesh(0.08, (0.3, 0.0)), PLAIN, {'wheelDiameter': '0.15'}, 0.15, []),
+    (wheeled.wheel_mesh(0.08), PLAIN, {'wheelDiameter': '0.12'}, 0.12, [IS_0_16])])
+def test_the_radius_of_a_mesh_is_measured_about_the_axis_of_its_joint(
+        tmp_path, mesh, shape, tags, diameter, lines):
+    path = tmp_path / 'wheel.obj'
+    path.write_text(mesh)
     built = wheeled.assembled(wheeled.robot(
         wheeled.plugin('gazebo_ros_diff_drive', **DIFF_DRIVE, **tags), shape=shape),
-        find_mesh=lambda uri: path)
+        find_mesh=lambda uri: str(path))
     drive = built.simulator.vehicles[0].settings.drive
-    return drive.wheel_diameter, drive.wheel_separation, [
-        line for line in built.warnings if 'wheel_' in line]
-
-
-def test_the_radius_of_a_mesh_is_measured_about_the_axis_of_its_joint(tmp_path):
-    assert with_mesh(tmp_path, wheeled.wheel_mesh(0.08)) == (0.16, 0.4, [])
-    assert with_mesh(tmp_path, wheeled.wheel_mesh(80, width=50), shape=(
-        '<mesh filename="wheel" scale="0.001 0.001 0.001"/>')) == (0.16, 0.4, [])
-
-
-@pytest.mark.parametrize('middle', [(0.05, 0.0), (0.0, -0.3)])
-def test_what_is_no_wheel_about_the_axis_cannot_be_measured(tmp_path, middle):
-    assert with_mesh(tmp_path, wheeled.wheel_mesh(0.08, middle)) == (0.15, 0.4, [NOT_MEASURED])
-
-
-def test_a_diameter_that_is_given_needs_no_measurement(tmp_path):
-    given = {'wheelDiameter': '0.15'}
-    assert with_mesh(tmp_path, wheeled.wheel_mesh(0.08, (0.3, 0)), **given) == (0.15, 0.4, [])
-    diameter, _, lines = with_mesh(tmp_path, wheeled.wheel_mesh(0.08), wheelDiameter='0.12')
-    assert (diameter, len(lines)) == (0.12, 1)
-    assert 'wheel_diameter is 0.12 m, but in the URDF it is 0.16 m' in lines[0]
+    assert (drive.wheel_diameter, drive.wheel_separation) == (diameter, 0.4)
+    assert [line for line in built.warnings if 'wheel_' in line] == lines
 
 
 @pytest.mark.parametrize('measured, given, diameter, count', [
@@ -200,19 +195,16 @@ def outline(path, axis, inside='', origin=''):
     return wheels.mesh_outline(link.solids[0], np.array(axis, float))
 
 
-def test_the_outline_of_a_mesh_beside_the_origin(tmp_path):
-    path = tmp_path / 'wheel.obj'
-    path.write_text(wheeled.wheel_mesh(0.08, width=0.05))
-    for axis, origin in (((0, 0, 1), '0.0 0.0 0.07" rpy="0 0 0'),
-                         ((0, 0, -1), '0.0 0.0 0.07" rpy="0 0 0'),
-                         ((1, 0, 0), '0.07 0 0" rpy="0 1.5707963267948966 0'),
-                         ((0, 0.6, 0.8), '0 0.042 0.056" rpy="-0.6435011087932844 0 0'),
-                         ((0.48, 0.6, 0.64),
-                          '0.0336 0.042 0.0448" rpy="0 {} {}'.format(acos(0.64),
-                                                                     atan2(0.6, 0.48)))):
-        found = outline(path, axis, origin='<origin xyz="{}"/>'.format(origin))
-        assert found.middle == pytest.approx(0.07 * np.abs(axis))
-        assert found.width == pytest.approx(0.05) and found.diameter == pytest.approx(0.16)
+@pytest.mark.parametrize('axis, origin', [
+    ((0, 0, 1), '0.0 0.0 0.07" rpy="0 0 0'), ((0, 0, -1), '0.0 0.0 0.07" rpy="0 0 0'),
+    ((1, 0, 0), '0.07 0 0" rpy="0 1.5707963267948966 0'),
+    ((0, 0.6, 0.8), '0 0.042 0.056" rpy="-0.6435011087932844 0 0'),
+    ((0.48, 0.6, 0.64), '0.0336 0.042 0.0448" rpy="0 {} {}'.format(acos(0.64), atan2(0.6, 0.48)))])
+def test_the_outline_of_a_mesh_beside_the_origin(tmp_path, axis, origin):
+    (tmp_path / 'wheel.obj').write_text(wheeled.wheel_mesh(0.08, width=0.05))
+    found = outline(tmp_path / 'wheel.obj', axis, origin='<origin xyz="{}"/>'.format(origin))
+    assert found.middle == pytest.approx(0.07 * np.abs(axis))
+    assert (found.width, found.diameter) == pytest.approx((0.05, 0.16))
 
 
 def test_the_outline_of_a_mesh_with_a_scale_for_each_axis(tmp_path):

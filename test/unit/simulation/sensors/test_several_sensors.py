@@ -92,39 +92,44 @@ def test_each_sensor_measures_from_its_link_and_pose_whatever_the_frame_is_calle
         'nowhere', 'imu_link']
 
 
-def test_a_range_is_the_nearest_of_all_rows_and_the_longest_if_nothing_is_hit():
-    rows = '<vertical><samples>2</samples><min_angle>0</min_angle><max_angle>1.2</max_angle>'
-    found = readings(built(
-        sensor('', 5, 0.5, library='gazebo_ros_range', vertical=rows + '</vertical>'),
-        sensor('', 1, library='gazebo_ros_range', far=1.0)))
-    assert found['range'] == pytest.approx(1.4, abs=0.002)
-    assert found['range_2'] == 1.0
+def rows(count, low, high):
+    return ('<vertical><samples>{}</samples><min_angle>{}</min_angle><max_angle>{}</max_angle>'
+            '</vertical>').format(count, low, high)
 
 
-@pytest.mark.parametrize('resolution, count', [(0.5, 4), (2, 16), (1, 8)])
-def test_resolution_interpolates_between_the_rays(resolution, count):
-    ranges = readings(built(sensor('', 8, 0.7, scan='<resolution>{}</resolution>'.format(
-        resolution))))['scan']
+def resolution(value):
+    return '<resolution>{}</resolution>'.format(value)
+
+
+def between(count):
+    """Return the ranges of 8 rays to the wall, interpolated."""
     rays = 1.4 / np.cos(np.linspace(-0.7, 0.7, 8))
-    assert ranges == pytest.approx(np.interp(np.linspace(0, 7, count), np.arange(8), rays),
-                                   abs=0.003)
+    return np.interp(np.linspace(0, 7, count), np.arange(8), rays)
 
 
-def test_a_ray_that_misses_counts_as_the_longest_between_rays():
-    tag = sensor('', 2, 1.5, scan='<resolution>1.5</resolution>', far=2.0,
-                 pose='<pose>0 0 0.3 0 0 0</pose>')
-    ranges = readings(built(tag))['scan']
-    # at -1.5 rad from the left the wall is 1.4 / cos(0.07) away, at 1.5 rad there is nothing
-    assert ranges[1] == pytest.approx((1.4 / math.cos(math.pi / 2 - 1.5) + 2.0) / 2, abs=0.003)
-    assert ranges[2] == math.inf
+LEFT = '<pose>0 0 0.3 0 0 0</pose>'
+NEAREST = 1.4 / math.cos(math.pi / 2 - 1.5)
+PITCHES = (0.1, 0.3, 0.5)
 
 
-def test_all_rows_are_cast_and_the_middle_one_is_published():
-    rows = '<vertical><samples>3</samples><min_angle>0.1</min_angle><max_angle>0.5</max_angle>'
-    ranges = readings(built(sensor('', 1, vertical=rows + '</vertical>'),
-                            height=3))['scan']
-    assert ranges == pytest.approx([1.4 / math.cos(pitch) for pitch in (0.1, 0.3, 0.5)], abs=0.006)
-    assert ScanSettings(scan_rows=3).middle(ranges).tolist() == [ranges[1]]
+@pytest.mark.parametrize('tag, name, wanted, tolerance', [
+    # a range is the nearest of all rows, and the longest if nothing is hit
+    (sensor('', 5, 0.5, library='gazebo_ros_range', vertical=rows(2, 0, 1.2)), 'range', 1.4,
+     0.002),
+    (sensor('', 1, library='gazebo_ros_range', far=1.0), 'range', 1.0, 0.0),
+    *((sensor('', 8, 0.7, scan=resolution(value)), 'scan', between(count), 0.003)
+      for value, count in ((0.5, 4), (2, 16), (1, 8))),
+    # one that misses counts as the longest between rays: to the left there is nothing
+    (sensor('', 2, 1.5, scan=resolution(1.5), far=2.0, pose=LEFT), 'scan',
+     [NEAREST, (NEAREST + 2.0) / 2, math.inf], 0.003),
+    (sensor('', 1, vertical=rows(3, 0.1, 0.5)), 'scan', [1.4 / np.cos(each) for each in PITCHES],
+     0.006)])
+def test_what_is_measured_of_a_wall(tag, name, wanted, tolerance):
+    assert readings(built(tag, height=3))[name] == pytest.approx(wanted, abs=tolerance)
+
+
+def test_the_middle_of_all_rows_is_published():
+    assert ScanSettings(scan_rows=3).middle(np.array([1.0, 2.0, 3.0])).tolist() == [2.0]
 
 
 @pytest.mark.parametrize('by_pybullet', [False, True])
