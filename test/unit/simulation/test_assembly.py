@@ -51,17 +51,6 @@ def test_tags_of_links_that_are_not_there_are_not_used():
         'robot.urdf: not used: the <gazebo> tag, as there is no such link, of lost, loose',)
 
 
-@pytest.mark.parametrize('visual, words', [
-    ('<visual/>', 'visual'),
-    ('<visual><geometry><box size="1 1 1"/></geometry><material><color rgba="1 0 0"/></material>'
-     '</visual>', 'rgba')])
-def test_a_visual_that_cannot_be_drawn_is_refused(visual, words):
-    root = '<link name="base_footprint"/>'
-    text = refusal(read, burger('').replace(
-        root, '<link name="base_footprint">{}</link>'.format(visual)))
-    assert text.startswith('cannot use the robot in robot.urdf: ') and words in text
-
-
 @pytest.mark.parametrize('given, used', [('100000', 1e5), ('0.5', 0.5)])
 def test_the_friction_of_a_wheel_is_that_of_its_tag(given, used):
     urdf = re.sub('<mu([12])>0.1', r'<mu\1>' + given, burger())

@@ -6,7 +6,6 @@ from img_recog.formats import world_file
 from img_recog.model import Tree
 from img_recog.simulation import assembly
 from img_recog.simulation.simulation_settings import PhysicsSettings
-from img_recog_helpers.refusals import refusal
 from img_recog_helpers.robots import read
 from img_recog_helpers.wheeled import TURN_SHARE
 
@@ -110,12 +109,6 @@ def test_a_warning_names_the_link_and_its_inertia(parts, words):
     assert len(warnings) == 2
     assert warnings[0].startswith('robot.urdf: link wheel_1 and what is fixed to it: got')
     assert all(warning.endswith(words) for warning in warnings)
-
-
-def test_a_wheel_without_mass_is_refused_with_the_reason():
-    assert refusal(build, wheel='').startswith(
-        'cannot use the robot in robot.urdf: left_joint: joint joint_1 is left out, because what '
-        'it moves has no mass')
 
 
 ARM = '''<link name="arm"><inertial><origin xyz="0.15 0 0"/><mass value="0.2"/>
