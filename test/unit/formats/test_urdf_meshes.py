@@ -2,12 +2,9 @@
 import os
 import struct
 
-import pybullet
 import pytest
 
 from img_recog.model import BOX, CYLINDER, MESH, Material, Shape
-from img_recog.simulation.physics import build
-from img_recog.simulation.physics.client import connect
 from img_recog_helpers.parsed import given, lumped, part
 from img_recog_helpers.robots import read
 
@@ -95,20 +92,6 @@ def test_relative_path_that_was_found_becomes_absolute(monkeypatch, tmp_path):
     of_sdf = '<visual><geometry><mesh><uri> model://b/a.dae </uri></mesh></geometry></visual>'
     link, missing = resolved(of_sdf, {'model://b/a.dae': 'b/a.dae'}.get)
     assert link.looks[0].shape.path == str(tmp_path / 'b' / 'a.dae') and missing == []
-
-
-def test_pybullet_loads_the_meshes(find):
-    client = connect()
-    body = build.load(lumped(TOY, find), client, visuals=True)
-    scales = [shape[3] for shape in pybullet.getVisualShapeData(body, physicsClientId=client)
-              if shape[2] == pybullet.GEOM_MESH]
-    assert len(scales) == 4
-    assert all(scale == pytest.approx((0.001, 0.001, 0.001)) for scale in scales)
-    # from above onto the scanner, whose tetrahedron is 0.1 m high at its corner
-    hit, = pybullet.rayTestBatch([(-0.022, 0.01, 1.0)], [(-0.022, 0.01, 0.0)],
-                                 physicsClientId=client)
-    assert hit[0] == body
-    assert hit[3] == pytest.approx((-0.022, 0.01, 0.182 + 0.08), abs=3e-3)
 
 
 def test_collision_shape_replaces_a_missing_visual_in_its_color():

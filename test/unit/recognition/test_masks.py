@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from img_recog.recognition import masks as masks_module
+from img_recog.recognition.candidates import Search
 from img_recog.recognition.masks import Masks
 from img_recog.recognition.recognition_settings import with_colors
 from img_recog_helpers import plain_opencv
@@ -15,6 +16,15 @@ BLUE, RED = (215, 70, 25), (60, 25, 215)        # bgr8
 def colors(**values):
     return with_colors(['any'])(any_hue_min=0, any_hue_max=180, **{
         'any_' + name: value for name, value in values.items()}).colors
+
+
+@pytest.mark.parametrize('given, is_useful', [
+    (ARTICLE, True), (colors(saturation_min=0, value_min=0), False),      # nearly grey
+    (colors(saturation_min=3, value_min=0), False), (colors(saturation_min=60, value_min=0), True),
+    # no pixel has it
+    (colors(saturation_min=255, saturation_max=255, value_min=0, value_max=0), True)])
+def test_for_which_colors_the_search_is_of_use(given, is_useful):
+    assert Search((48, 64), given).is_useful is is_useful
 
 
 def assert_equal_to_plain_opencv(masks, image, given):

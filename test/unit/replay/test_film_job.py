@@ -156,24 +156,23 @@ def test_a_second_definition_in_the_bag_is_ignored(bag, tmp_path, make, caplog, 
     assert center_of(frames[-1][34:394, 740:1270], ROBOT, 40) == pytest.approx((265, 180), abs=12)
 
 
-@pytest.mark.parametrize('fields', [
-    {'angle_min': math.nan}, {'angle_increment': math.inf}, {'range_min': math.nan},
-    {'range_max': math.nan}, {'range_max': 0.5}])
-def test_a_scan_without_points_that_can_be_drawn(fields):
-    scan = LaserScan(**{'angle_increment': 1.0, 'range_max': 9.0, 'ranges': [1.0, 2.0], **fields})
-    with warnings.catch_warnings():
-        warnings.simplefilter('error')
-        assert film_job.scan_points(scan, (0.0, 0.0, 0.0)).shape == (0, 2)
+def quarters(far, least):
+    return {'angle_increment': math.pi / 2, 'range_min': least, 'range_max': far,
+            'ranges': [1.0, math.nan, far, 2.0, -far]}
 
 
-@pytest.mark.parametrize('far', [math.inf, 3e38])
-def test_points_of_a_scan_that_cannot_be_drawn_are_left_out(far):
-    scan = LaserScan(angle_increment=math.pi / 2, range_min=-far if far < math.inf else 0.0,
-                     range_max=far, ranges=[1.0, math.nan, far, 2.0, -far])
+@pytest.mark.parametrize('fields, wanted', [
+    *(({'angle_increment': 1.0, 'range_max': 9.0, 'ranges': [1.0, 2.0], **fields},
+       np.empty((0, 2))) for fields in (
+           {'angle_min': math.nan}, {'angle_increment': math.inf}, {'range_min': math.nan},
+           {'range_max': math.nan}, {'range_max': 0.5})),
+    (quarters(math.inf, 0.0), [(4.0, 4.0), (3.0, 2.0)]),
+    (quarters(3e38, -3e38), [(4.0, 4.0), (3.0, 2.0)])])
+def test_points_of_a_scan_that_can_be_drawn(fields, wanted):
     with warnings.catch_warnings():
         warnings.simplefilter('error')
-        points = film_job.scan_points(scan, (3.0, 4.0, 0.0))
-    assert points == pytest.approx(np.array([(4.0, 4.0), (3.0, 2.0)]))
+        points = film_job.scan_points(LaserScan(**fields), (3.0, 4.0, 0.0))
+    assert points.shape == np.shape(wanted) and points == pytest.approx(np.array(wanted))
 
 
 @pytest.mark.parametrize('bad', [math.nan, -math.inf, 1e300])
