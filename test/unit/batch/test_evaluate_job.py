@@ -78,27 +78,6 @@ def test_truth_gives_precision_and_recall(folder, monkeypatch):
     expected.check_printed('evaluate/truth.md', (folder / 'film.evaluated.md').read_text())
 
 
-def test_a_broken_recording_is_named_and_the_others_count(folder, monkeypatch, capsys, caplog):
-    before = set(os.listdir(str(folder)))
-    assert run(monkeypatch, 'film.avi', 'broken.avi', '--colors', 'low.yaml') == 1
-    assert {name.partition('.')[2] for name in set(os.listdir(str(folder))) - before} == {
-        'evaluated.' + extension for extension in ('csv', 'md', 'png')}
-    assert capsys.readouterr().out.startswith('1 of 2 recordings, 8 frames')
-    assert len(rows()) == FRAMES
-    assert 'broken.avi: cannot ' in caplog.text
-    assert '- broken.avi: cannot ' in (folder / 'film.evaluated.md').read_text()
-
-
-@pytest.mark.parametrize('name, arguments, code', [
-    ('same commands', ('film.avi', '--colors', 'low.yaml', 'same.yaml'), 0),
-    ('no recording', ('broken.avi', '--colors', 'low.yaml'), 1)])
-def test_a_report_has_no_table_without_rows(folder, monkeypatch, name, arguments, code):
-    (folder / 'same.yaml').write_text(WIDE)
-    assert run(monkeypatch, *arguments, '--output', 'it') == code
-    text = (folder / 'it.md').read_text().replace(str(folder), 'FOLDER')
-    expected.check_printed('evaluate/{}.md'.format(name.replace(' ', '_')), text)
-
-
 def write_bag(path, usable):
     """Write an image of 64x48 for each number, of which those that are not `usable` are short."""
     with rosbag.Bag(str(path), 'w') as bag:
@@ -108,27 +87,28 @@ def write_bag(path, usable):
             bag.write('/eye', msg, genpy.Time(5 + number))
 
 
-def test_a_recording_without_a_usable_image_is_named_and_the_others_count(
-        folder, monkeypatch, capsys, caplog):
-    write_bag(folder / 'good.bag', 8 * [True])
-    write_bag(folder / 'bad.bag', 8 * [False])
-    assert run(monkeypatch, 'good.bag', 'bad.bag', '--colors', 'low.yaml') == 1
-    assert capsys.readouterr().out.startswith('1 of 2 recordings, 8 frames')
-    assert {row['recording'] for row in rows('good.evaluated.csv')} == {'good.bag'}
-    line = 'bad.bag: no image on /eye in {} can be used; message 0: cannot convert '.format(
-        folder / 'bad.bag')
-    assert line in caplog.text and '- ' + line in (folder / 'good.evaluated.md').read_text()
-
-
-def test_images_that_cannot_be_used_are_counted(folder, monkeypatch, capsys, caplog):
+@pytest.mark.parametrize('name, arguments, code, printed, frames', [
+    ('same commands', ('film.avi', '--colors', 'low.yaml', 'same.yaml'), 0,
+     '1 of 1 recording, 8 frames, 2 sets of colors;',
+     2 * [*range(FRAMES)]),
+    ('no recording', ('broken.avi', '--colors', 'low.yaml'), 1, '0 of 1 recording, 0 frames', []),
+    ('broken recordings', ('film.avi', 'broken.avi', 'bad.bag', 'half.bag', '--colors',
+                           'low.yaml'), 1, '2 of 4 recordings, 10 of 12 frames', [*range(FRAMES), 0, 3])])
+def test_what_is_reported(folder, monkeypatch, capsys, caplog, name, arguments, code, printed,
+                          frames):
+    (folder / 'same.yaml').write_text(WIDE)
     write_bag(folder / 'half.bag', [True, False, False, True])
-    assert run(monkeypatch, 'half.bag', '--colors', 'low.yaml') == 0
-    assert capsys.readouterr().out.startswith('1 of 1 recording, 2 of 4 frames, 1 set of colors;')
-    line = 'half.bag: 2 of 4 images on /eye cannot be used; the first is message 1: '
-    assert [record.levelname for record in caplog.records] == ['WARNING']
-    assert caplog.messages[0].startswith(line)
-    assert '\n- ' + line in (folder / 'half.evaluated.md').read_text()
-    assert [row['frame'] for row in rows('half.evaluated.csv')] == ['0', '3']
+    write_bag(folder / 'bad.bag', 8 * [False])
+    before = set(os.listdir(str(folder)))
+    assert run(monkeypatch, *arguments, '--output', 'it') == code
+    assert capsys.readouterr().out.startswith(printed)
+    assert set(os.listdir(str(folder))) - before == {'it.csv', 'it.md', 'it.png'}
+    assert [int(row['frame']) for row in rows('it.csv')] == frames
+    text = (folder / 'it.md').read_text()
+    assert all('\n- {}\n'.format(line) in text for line in caplog.messages)
+    assert [record.levelname for record in caplog.records].count('WARNING') == ('half' in text)
+    expected.check_printed('evaluate/{}.md'.format(name.replace(' ', '_')),
+                           text.replace(str(folder), 'FOLDER'))
 
 
 @pytest.mark.parametrize('line, words', [
