@@ -93,7 +93,8 @@ def write_bag(path, usable):
      2 * [*range(FRAMES)]),
     ('no recording', ('broken.avi', '--colors', 'low.yaml'), 1, '0 of 1 recording, 0 frames', []),
     ('broken recordings', ('film.avi', 'broken.avi', 'bad.bag', 'half.bag', '--colors',
-                           'low.yaml'), 1, '2 of 4 recordings, 10 of 12 frames', [*range(FRAMES), 0, 3])])
+                           'low.yaml'), 1, '2 of 4 recordings, 10 of 12 frames',
+     [*range(FRAMES), 0, 3])])
 def test_what_is_reported(folder, monkeypatch, capsys, caplog, name, arguments, code, printed,
                           frames):
     (folder / 'same.yaml').write_text(WIDE)
