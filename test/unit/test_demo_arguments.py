@@ -1,0 +1,71 @@
+"""What ./run demo refuses before anything starts, in one line, and its help."""
+import os
+
+import pytest
+
+from img_recog_helpers.pages import LAUNCH_FOLDER, launch_arguments, tool
+
+SWITCHES = ('gui', 'image_view', 'paused', 'recognition', 'simulator', 'teleop', 'use_sim_time',
+            'allow_partial_world', 'vision')
+REFUSED = {
+    ('camera=synthetic',): 'got camera=synthetic; write camera:=synthetic',
+    ('camera:=', 'synthetic'): 'got a space after camera:=; write camera:=synthetic',
+    ('camera', ':=synthetic'): 'got a space before :=; write camera:=synthetic',
+    ('synthetic',): 'got synthetic; write arguments like camera:=synthetic; ./run demo --help ',
+    ('camra:=synthetic',): 'demo.launch has no argument camra; did you mean camera?\n',
+    ('xyz:=1',): 'demo.launch has no argument xyz; ./run demo --help lists them\n',
+    ('_video_device:=0',): 'demo.launch has no argument _video_device; ./run demo --help lists ',
+    ('camera:=/no/such.mp4',): 'camera: got /no/such.mp4, which does not exist; allowed are auto, '
+                               'synthetic, robot, none, a URL, and the path of ',
+    ('camera:=',): "camera: got '', which does not exist",
+    ('camera:=ftp://host/video.mp4',): 'camera: got a URL of ftp://; allowed are http://, ',
+    ('camera_info_url:=my.yaml',): 'camera_info_url: got my.yaml, allowed are file:///PATH ',
+    ('record:=/no/such/x.bag',): 'record: /no/such is no folder where files can be written; ',
+    ("record:=it's.bag",): "record: got it's.bag, allowed is a path without an apostrophe; ",
+    ('record:=',): "record: got '', allowed is a path",
+    ('-p',): '-p needs a value',
+    ('--screen', 'gui:=yes'): 'gui: got yes, allowed is true or false; write gui:=true',
+    **{(name + ':=auto',): '{0}: got auto, allowed is true or false; write {0}:=true\n'.format(
+        name) for name in SWITCHES},
+}
+
+
+@pytest.fixture
+def checked(capsys):
+    """A function that checks the arguments of the demo; it returns exit code and output."""
+    def run(*words):
+        code = tool('demo_arguments').main(os.path.join(LAUNCH_FOLDER, 'demo.launch'), *words)
+        return code, ''.join(capsys.readouterr())
+    return run
+
+
+@pytest.mark.parametrize('words', list(REFUSED), ids=' '.join)
+def test_refused(checked, words):
+    code, output = checked(*words)
+    assert code == 1
+    assert output.startswith('[run] ' + REFUSED[words]), output
+    assert output.count('\n') == 1, output
+
+
+def test_help_lists_all_arguments_in_groups_with_their_defaults(checked):
+    code, output = checked('--help')
+    assert code == 0
+    lines = output.splitlines()
+    assert {'camera', 'simulator', 'more of simulator.launch'} <= set(lines)
+    for arg in launch_arguments().values():
+        name, default = arg.name, arg.default.replace('$(find img_recog)/', '')
+        begin = lines.index('  ' + name if '$(' in default else '  {}:={}'.format(name, default))
+        assert ' '.join(output.split('\n', begin + 1)[-1].split()).startswith(
+            ' '.join(arg.doc.split())), name
+
+
+@pytest.mark.parametrize('name', ['old', 'old.bag'])
+def test_a_recording_replaces_no_file(checked, tmp_path, name):
+    (tmp_path / 'old.bag').write_text('')
+    assert checked('record:={}/{}'.format(tmp_path, name)) == (
+        1, '[run] record: {}/old.bag exists; give another name, or remove it\n'.format(tmp_path))
+    assert checked('--ros-args', 'record:={}/new'.format(tmp_path))[0] == 0
+    (tmp_path / 'new.bag.active').write_text('')
+    code, output = checked('record:={}/new'.format(tmp_path))
+    assert code == 1
+    assert output.startswith('[run] record: {}/new.bag.active exists: '.format(tmp_path))
