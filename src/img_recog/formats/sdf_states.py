@@ -18,7 +18,7 @@ def apply(model: ElementTree.Element, state: Optional[ElementTree.Element]) -> S
 
     Returns the poses of its links in the world that the state gives, by name.
     """
-    starts: Dict[str, Transform] = {}
+    starts: Starts = {}
     for each in () if state is None else state.findall('model'):
         if each.get('name') == model.get('name'):
             set_pose(model, pose_of(each))
