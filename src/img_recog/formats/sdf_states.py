@@ -1,6 +1,6 @@
 """The <state> of an SDF world: where its models and links are at the start."""
 import xml.etree.ElementTree as ElementTree
-from typing import Dict, Mapping, Optional
+from typing import Mapping, Optional
 
 import numpy as np
 

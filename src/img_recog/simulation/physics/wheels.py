@@ -1,7 +1,7 @@
 """The separation and diameter of a robot's wheels, as its URDF has them."""
 import functools
 import os
-from typing import Any, Container, Dict, List, NamedTuple, Optional, Sequence, Tuple, Union
+from typing import Container, Dict, List, NamedTuple, Optional, Sequence, Tuple, Union
 
 import cv2
 import numpy as np
