@@ -35,7 +35,7 @@ _NOISE = Row('type mean stddev bias_mean bias_stddev precision',
              not_simulated='dynamic_bias_stddev=0 dynamic_bias_correlation_time=0')
 _CAMERA = Row('horizontal_fov image clip noise distortion lens pose depth_camera',
               no_effect='save visibility_mask', why='images are published')
-_STATE = Row('pose link scale model', no_effect='joint', why='as in Gazebo, which sets links alone')
+_STATE = Row('pose link scale model', no_effect='joint', why='Gazebo sets links alone')
 _STATE_LINK = Row('pose', no_effect='acceleration wrench',
                   not_simulated='velocity=0,0,0,0,0,0', why='they follow')
 
