@@ -89,10 +89,9 @@ def stated_types(text):
     return {name: kind for names, kind in lists for name in re.split(', | and ', names)}
 
 
-def topic_differences(page, node):
+def topic_differences(types, node):
     """Return a line for each topic or service that only the page or only the code has."""
     text, others = docstring(node), TOPICS.get(node, {})
-    types = {row[0].strip('`'): row[1] for row in page}
     stated = {**stated_types(text), **others}
     lines = ['missing: {} ({})'.format(name, kind)
              for name, kind in stated.items() if name not in types]
@@ -118,15 +117,19 @@ def docstring(node):
 
 
 def topics(text, node):
-    return [row for kind in ('topic', 'service') for row in rows(text, node, kind)]
+    """Return the type of each topic and service; a row has one for all of its names, or for each.
+    """
+    return {name: kind for first in ('topic', 'service') for row in rows(text, node, first)
+            for names, kinds in [(row[0].strip('`').split('`, `'), row[1].split(', '))]
+            for name, kind in zip(names, kinds * (len(names) if len(kinds) == 1 else 1))}
 
 
 @pytest.mark.parametrize('old, new, words', (
     ('| `imu` | sensor_msgs/Imu |', '| `imus` | sensor_msgs/Imu |', 'missing: imu'),
     ('| `imu` | sensor_msgs/Imu |', '| `imus` | sensor_msgs/Imu |', 'not in the code: imus'),
     ('| `scan` | sensor_msgs/LaserScan |', '| `scan` | sensor_msgs/Laser |', 'scan: the page'),
-    ('| `~pause_physics` | std_srvs', '| `~pause` | std_srvs', 'missing: ~pause_physics'),
-    ('| `~set_model_state` | gazebo_msgs', '| `~set_model_state` | std_srvs', 'the page has')))
+    ('| `~pause_physics`, ', '| `~pause`, ', 'missing: ~pause_physics'),
+    ('| gazebo_msgs/GetModelState, ', '| std_srvs/GetModelState, ', 'the page has')))
 def test_a_difference_of_topics_is_found(old, new, words):
     assert old in REFERENCE
     page = topics(REFERENCE.replace(old, new), 'gazebo')

@@ -86,7 +86,10 @@ def connected(options: Options, interrupts: Interrupts) -> ContextManager[Client
 @contextlib.contextmanager
 def _local(jobs: int, interrupts: Interrupts) -> Iterator[Client]:
     with contextlib.ExitStack() as stack:
-        with _starting_workers(interrupts):
+        with interrupts.deferred(), contextlib.ExitStack() as starting:
+            # Ctrl-C goes to this process alone, which then ends the others
+            starting.callback(signal.signal, signal.SIGINT,
+                              signal.signal(signal.SIGINT, signal.SIG_IGN))
             dask.config.set({**_QUIET, **_CRASHES})
             folder = stack.enter_context(tempfile.TemporaryDirectory())
             # Whoever else is on this machine reaches the loopback, and Dask would run his code
@@ -102,25 +105,6 @@ def _local(jobs: int, interrupts: Interrupts) -> Iterator[Client]:
             client = stack.enter_context(Client(cluster, set_as_default=False))
             client.register_worker_plugin(_FewRecords())
         yield client
-
-
-@contextlib.contextmanager
-def _starting_workers(interrupts: Interrupts) -> Iterator[None]:
-    """Have Ctrl-C go to this process alone, which then ends the others."""
-    with interrupts.deferred():
-        handler = signal.signal(signal.SIGINT, signal.SIG_IGN)
-        try:
-            yield
-        finally:
-            signal.signal(signal.SIGINT, handler)
-
-
-def add_workers(client: Client, jobs: int, interrupts: Interrupts) -> None:
-    """Have so many processes on this machine."""
-    if len(client.scheduler_info()['workers']) < jobs:
-        with _starting_workers(interrupts):
-            client.cluster.scale(jobs)
-            client.wait_for_workers(jobs)
 
 
 @contextlib.contextmanager

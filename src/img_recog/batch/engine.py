@@ -6,7 +6,7 @@ interrupted run goes on from there.
 """
 import contextlib
 import logging
-from typing import Any, Dict, Generator, Iterator, NamedTuple, Optional, Sequence, Tuple
+from typing import Any, Dict, Generator, Iterator, Optional, Sequence, Tuple
 
 from tqdm import tqdm
 
@@ -19,34 +19,18 @@ from img_recog.processes.signals import Interrupts
 _log = logging.getLogger(__name__)
 
 
-class Outcome(NamedTuple):
-    """The result of a piece, or in one line why there is none."""
-
-    key: str
-    value: Any = None
-    problem: str = ''
-
-
 class Results:
     """The results of pieces, in their order; each is read from its file when it is needed."""
 
-    def __init__(self, work: WorkFolder, pieces: Sequence[Piece], names: Dict[int, str],
-                 problems: Dict[int, str], keys: Dict[str, str]):
-        """names, problems: by the id of a piece; keys: those that have a problem in any stage."""
-        self._work, self._pieces, self._names = work, pieces, names
-        self._problems, self._keys = problems, keys
+    def __init__(self, work: WorkFolder, names: Sequence[Tuple[Piece, str]],
+                 problems: Dict[str, str]):
+        """names: of the results of pieces; problems: of keys, in any stage."""
+        self._work, self._names, self._problems = work, names, problems
 
     def __iter__(self) -> Iterator[Tuple[Piece, Any]]:
         """Yield each piece with its result, without those of keys that have a problem."""
-        return ((piece, self._work.read(self._names[id(piece)])) for piece in self._pieces
-                if piece.key not in self._keys)
-
-    def outcomes(self) -> Iterator[Outcome]:
-        """Yield what has become of each piece."""
-        for piece in self._pieces:
-            problem = self._problems.get(id(piece))
-            yield (Outcome(piece.key, self._work.read(self._names[id(piece)])) if problem is None
-                   else Outcome(piece.key, problem=problem))
+        return ((piece, self._work.read(name)) for piece, name in self._names
+                if piece.key not in self._problems)
 
 
 class Engine:
@@ -138,20 +122,17 @@ class Engine:
                 self.problems[piece.key] = problems[id(piece)]
                 if self._problem_log:
                     self._problem_log.error('%s: %s', piece.key, problems[id(piece)])
-        return Results(work, pieces, names, problems, self.problems)
+        return Results(work, [(piece, names[id(piece)]) for piece in pieces], self.problems)
 
     def _done(self, function: Function, pieces: Sequence[Piece]) -> Generator[Done, None, None]:
         """Run pieces, in any order."""
-        jobs = min(self._options.jobs, len(pieces))
-        if not pieces or not self._options.scheduler and jobs == 1:
+        options = self._options
+        if not pieces or not options.scheduler and min(options.jobs, len(pieces)) == 1:
             for piece in pieces:
                 yield Done(piece, *run_piece(function, piece.files, (), piece.arguments))
             return
         # imported here because loading Dask takes time
         from img_recog.batch import cluster
-        options = self._options._replace(jobs=jobs)
         if self._client is None:
             self._client = self._stack.enter_context(cluster.connected(options, self._interrupts))
-        elif not options.scheduler:
-            cluster.add_workers(self._client, jobs, self._interrupts)
         yield from cluster.completed(self._client, function, pieces, options)

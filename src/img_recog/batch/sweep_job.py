@@ -8,13 +8,14 @@ import os
 import re
 import shlex
 import time
-from typing import List, Sequence, Tuple
+from typing import List, Mapping, Sequence, Tuple
 
 from img_recog import files
 from img_recog.batch import inputs, options, sweep_file, sweep_report, sweep_run
-from img_recog.batch.engine import Engine, Outcome
+from img_recog.batch.engine import Engine
 from img_recog.batch.sweep_file import Run, Sweep
 from img_recog.batch.sweep_report import Ended
+from img_recog.batch.sweep_run import Result
 from img_recog.batch.work import Done, Piece, run_piece
 from img_recog.command_line import programs
 from img_recog.command_line import results
@@ -40,20 +41,24 @@ def _main(words: Sequence[str], interrupts: Interrupts) -> str:
     sweep = sweep_file.read(path)
     if given.only:
         return _only(sweep, given, path)
-    films = ['.worst_{}.mp4'.format(number + 1) for number in range(given.films)]
+    ends = ['.worst_{}.mp4'.format(number + 1) for number in range(given.films)]
     paths = files.output_paths(path, os.path.expanduser(given.output),
-                               (*results.report_extensions(), *films), 'sweep')
+                               (*results.report_extensions(), *ends), 'sweep')
     known = [] if where.resume else [_first(sweep, where, given.yes)]
     runs = list(sweep.runs())
     pieces = [done.piece for done in known] + [
         _piece(sweep, run) for run in runs[len(known):]]
     with Engine(where, interrupts, re.sub(r'\.csv$', '', paths[0])) as engine:
-        ended = [Ended(run, outcome) for run, outcome in zip(
-            runs, engine.run(sweep_run.run, pieces, known=known).outcomes())]
+        found = {piece.key: result for piece, result in engine.run(
+            sweep_run.run, pieces, known=known)}
+        ended = [Ended(run, found.get(run.key), engine.problems.get(run.key, ''))
+                 for run in runs]
         worst = sweep_report.worst(ended, given.films)
-        filmed = engine.run(sweep_run.film, [_piece(sweep, each.run) for each in worst], ' films')
-        written = _write(paths, path, sweep, ended, list(zip(worst, filmed.outcomes())))
-    failed = sum(bool(each.outcome.problem) for each in ended)
+        films = {piece.key: film for piece, film in engine.run(
+            sweep_run.film, [_piece(sweep, run) for run, _ in worst], ' films')}
+        written = _write(paths, path, sweep, ended, [
+            (run, result, engine.problems.get(run.key, '')) for run, result in worst], films)
+    failed = sum(bool(each.problem) for each in ended)
     summary = '{}, {} have succeeded, {} have no result; wrote {}'.format(
         counted(len(ended), 'run'), sum(each.is_success for each in ended), failed,
         ', '.join(written))
@@ -117,21 +122,20 @@ def _duration(seconds: float) -> str:
 
 
 def _write(paths: Sequence[str], path: str, sweep: Sweep, ended: Sequence[Ended],
-           filmed: Sequence[Tuple[Ended, Outcome]]) -> List[str]:
-    """Write all files; return the paths."""
+           worst: Sequence[Tuple[Run, Result, str]], films: Mapping[str, bytes]) -> List[str]:
+    """Write all files; return the paths. worst: with problems of their films; films: by key."""
     title, count = os.path.basename(path), len(results.report_extensions())
-    films = dict(zip(paths[count:], filmed))
-    shown = [(each, film.problem or os.path.basename(name))
-             for name, (each, film) in films.items()]
-    made = {name: film.value for name, (_, film) in films.items() if not film.problem}
-    used = [*paths[:count], *made]
+    names = {run.key: name for (run, *_), name in zip(worst, paths[count:])}
+    shown = [(run, result, problem or os.path.basename(names[run.key]))
+             for run, result, problem in worst]
+    used = [*paths[:count], *(names[key] for key in films)]
     with files.atomic_write(used) as opened:
         results.write_report(
             opened[:count], sweep_report.table(ended), sweep_report.markdown(
                 title, sweep, ended, shown, 'rosrun img_recog sweep.py ' + shlex.quote(path)),
             lambda file: sweep_report.draw(file, title, sweep, ended))
-        for file, content in zip(opened[count:], made.values()):
-            file.write(content)
+        for file, film in zip(opened[count:], films.values()):
+            file.write(film)
     return used
 
 

@@ -1,12 +1,11 @@
 """The report of a sweep: its table, its success rates in Markdown, and its picture."""
 import shlex
-from typing import IO, List, NamedTuple, Sequence, Tuple
+from typing import IO, List, NamedTuple, Optional, Sequence, Tuple
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from img_recog.batch.engine import Outcome
 from img_recog.batch.statistics import wilson
 from img_recog.batch.sweep_file import Range, Run, Sweep, Values
 from img_recog.batch.sweep_run import COLLISION, PATH, REACHED, TIME, Result
@@ -21,14 +20,15 @@ _REASONS = REACHED, COLLISION, PATH, TIME, _NOT_RUN
 
 
 class Ended(NamedTuple):
-    """A run and its outcome, whose value is a Result."""
+    """A run and its result, or in one line why there is none."""
 
     run: Run
-    outcome: Outcome
+    result: Optional[Result]
+    problem: str = ''
 
     @property
     def reason(self) -> str:
-        return _NOT_RUN if self.outcome.problem else self.outcome.value.reason
+        return self.result.reason if self.result else _NOT_RUN
 
     @property
     def is_success(self) -> bool:
@@ -44,8 +44,8 @@ def table(ended: Sequence[Ended]) -> results.Table:
     return results.Table(columns, [{
         **_rounded(each.run.parameters), 'key': each.run.key, **each.run.labels,
         'seed': each.run.seed, 'success': int(each.is_success),
-        **_rounded({} if each.outcome.problem else each.outcome.value._asdict()),
-        'problem': each.outcome.problem} for each in ended])
+        **_rounded(each.result._asdict() if each.result else {}),
+        'problem': each.problem} for each in ended])
 
 
 def _rounded(values: Values) -> Values:
@@ -53,16 +53,16 @@ def _rounded(values: Values) -> Values:
             for name, value in values.items()}
 
 
-def worst(ended: Sequence[Ended], count: int) -> List[Ended]:
+def worst(ended: Sequence[Ended], count: int) -> List[Tuple[Run, Result]]:
     """Return the runs that have failed and ended farthest from the goal, then the longest ones."""
-    ran = [each for each in ended if not each.outcome.problem]
-    return sorted(ran, key=lambda each: (
-        each.is_success, -each.outcome.value.time_s if each.is_success
-        else -each.outcome.value.distance_m, each.run.key))[:count]
+    ran = [(each.is_success, each.run, each.result) for each in ended if each.result]
+    ran.sort(key=lambda each: (each[0], -each[2].time_s if each[0] else -each[2].distance_m,
+                               each[1].key))
+    return [(run, result) for _, run, result in ran[:count]]
 
 
-def markdown(title: str, sweep: Sweep, ended: Sequence[Ended], films: Sequence[Tuple[Ended, str]],
-             command: str) -> str:
+def markdown(title: str, sweep: Sweep, ended: Sequence[Ended],
+             films: Sequence[Tuple[Run, Result, str]], command: str) -> str:
     """Return the report. films: the worst runs, and the names of their films.
 
     command: how the sweep was started, without its options.
@@ -81,13 +81,13 @@ def markdown(title: str, sweep: Sweep, ended: Sequence[Ended], films: Sequence[T
          for row in rows])
     lines += results.markdown_part(
         'The worst runs:', ['run', 'ended by', 'distance', 'time', 'film', 'again'],
-        [[each.run.key, each.reason, '{:.2f} m'.format(each.outcome.value.distance_m),
-          '{:.1f} s'.format(each.outcome.value.time_s), name,
-          '`{} --only {}`'.format(command, shlex.quote(each.run.key))] for each, name in films])
-    failed = [each for each in ended if each.outcome.problem]
+        [[run.key, result.reason, '{:.2f} m'.format(result.distance_m),
+          '{:.1f} s'.format(result.time_s), name,
+          '`{} --only {}`'.format(command, shlex.quote(run.key))] for run, result, name in films])
+    failed = [each for each in ended if each.problem]
     if failed:
         lines += ['', 'Without a result: {}'.format(counted(len(failed), 'run')), '']
-        lines += ['- {}: {}'.format(each.run.key, each.outcome.problem)
+        lines += ['- {}: {}'.format(each.run.key, each.problem)
                   for each in failed[:_MAX_PROBLEMS]]
     return '\n'.join(lines) + '\n'
 

@@ -48,7 +48,8 @@ def figure_of(title: str, data: PlotData) -> Figure:
 def _draw_areas(axes: Axes, data: PlotData) -> None:
     limits: Dict[int, List[str]] = {}
     for number, color in enumerate(data.colors):
-        axes.plot(data.areas[:, 0], data.areas[:, 1 + number], color=line_color(color.hue), label=color.name)
+        axes.plot(data.areas[:, 0], data.areas[:, 1 + number], color=line_color(color.hue),
+                  label=color.name)
         if color.area_limit_px is not None:
             limits.setdefault(color.area_limit_px, []).append(color.name)
     for limit_px, names in limits.items():

@@ -3,6 +3,7 @@ import contextlib
 import os
 import pickle
 import socket
+from typing import Any, NamedTuple
 
 import dask
 import psutil
@@ -10,7 +11,7 @@ import pytest
 from distributed import Client
 
 from img_recog.batch import code_version
-from img_recog.batch.engine import Engine, Outcome
+from img_recog.batch.engine import Engine
 from img_recog.batch.options import Options
 from img_recog.batch.work import Done, Piece, run_piece
 from img_recog.processes.signals import Interrupts
@@ -20,12 +21,22 @@ from img_recog_helpers.refusals import refusal
 WAIT_S = 10
 
 
+class Outcome(NamedTuple):
+    """The result of a piece, or why there is none."""
+
+    key: str
+    value: Any = None
+    problem: str = ''
+
+
 @pytest.fixture
 def run(tmp_path, handlers_as_before):
     """A function that runs pieces; it returns the list of outcomes."""
     def run(function, pieces, known=(), **options):
         with Engine(Options(**options), Interrupts(), str(tmp_path / 'x')) as engine:
-            return list(engine.run(function, pieces, known=known).outcomes())
+            found = list(engine.run(function, pieces, known=known))
+            return [Outcome(piece.key, *(value for other, value in found if other is piece),
+                            problem=engine.problems.get(piece.key, '')) for piece in pieces]
     return run
 
 
@@ -110,7 +121,7 @@ def test_what_has_run_already_is_not_run_again(run, tmp_path):
     assert (tmp_path / '0').read_text() == 'x'
 
 
-def test_the_processes_stay_for_more_pieces_and_more_are_started(tmp_path, handlers_as_before):
+def test_the_processes_stay_for_more_pieces(tmp_path, handlers_as_before):
     with Engine(Options(jobs=3), Interrupts(), str(tmp_path / 'x')) as engine:
         # others: these would be known from the stage before
         found = [{pid for _, pid in engine.run(batch_work.process, numbers(seconds, count=count))}
@@ -153,7 +164,7 @@ def test_a_scheduler_that_is_not_there_is_one_line(run, monkeypatch, address, wo
 
 def test_a_file_that_cannot_be_read_is_a_problem_of_its_pieces_alone(run, tmp_path):
     (tmp_path / 'a').touch()
-    lost, fine = run(batch_work.count_bytes, [Piece('1', (1,), (str(tmp_path / name),))
+    lost, fine = run(batch_work.count_bytes, [Piece(name, (1,), (str(tmp_path / name),))
                                               for name in ('missing', 'a')])
     assert lost.problem == 'FileNotFoundError: No such file or directory' and fine.value == [0]
 

@@ -5,7 +5,6 @@ from types import SimpleNamespace
 from matplotlib.axes import Axes
 
 from img_recog.batch import sweep_report
-from img_recog.batch.engine import Outcome
 from img_recog.batch.sweep_file import Choice, Range, Run, Success, Sweep, SweepSettings
 from img_recog.batch.sweep_report import Ended
 
@@ -24,7 +23,7 @@ def test_the_picture_is_drawn_by_what_the_matplotlib_of_ubuntu_20_04_has(monkeyp
     cells = [{'light': light, 'speed': speed} for light in ('dim', 'lamp') for speed in '12']
     runs = [Run('run#{}'.format(number), cell, 1, {'x_pos': number / 7})
             for number, cell in enumerate(cells)]
-    ended = [Ended(run, SimpleNamespace(problem='', value=SimpleNamespace(reason=reason)))
+    ended = [Ended(run, SimpleNamespace(reason=reason))
              for run, reason in zip(runs, ('reached', 'time') * 2)]
     file = io.BytesIO()
     sweep_report.draw(file, 'a', Sweep(SweepSettings(), Success(0.5), {'x_pos': Range(0, 1)},
@@ -34,7 +33,7 @@ def test_the_picture_is_drawn_by_what_the_matplotlib_of_ubuntu_20_04_has(monkeyp
 
 
 def test_a_report_has_no_table_without_rows():
-    ended = [Ended(Run('run#1', {}, 1, {}), Outcome('run#1', problem='there is no world'))]
+    ended = [Ended(Run('run#1', {}, 1, {}), None, 'there is no world')]
     text = sweep_report.markdown('a.yaml', Sweep(SweepSettings(), Success(0.5), {}, (), ()),
                                  ended, [], 'sweep.py a.yaml')
     assert [line for line in text.splitlines() if line] == [

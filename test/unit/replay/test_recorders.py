@@ -50,8 +50,7 @@ def replayed(start_ns=0, seen=PICTURE, world='turtlebot3_world', **odometry):
         chain = Chain(simulator, recognition, True, [log, bag, TableRecorder(rows), plot])
         chain.end(PERIOD_NS + chain.run(recognition.measure(frames)))
     bag.close()
-    figure.draw(png_file, 'a test', plot.data(len(seen) * 0.04,
-                                                      footprints(simulator.world)))
+    figure.draw(png_file, 'a test', plot.data(len(seen) * 0.04, footprints(simulator.world)))
     return bag_file.value, csv_file.getvalue().decode(), png_file.getvalue(), log
 
 
