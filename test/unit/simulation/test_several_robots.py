@@ -148,8 +148,8 @@ def test_a_search_that_begins_in_a_wall_is_refused():
     assert sim.vehicles == []
 
 
-# 0.25 m is too near to another one; what is beyond 1000 m is no place, and what is 0.1 m higher
-STEP = sdf.sdf(sdf.BUILT_IN, sdf.body('step', '-1.4', sdf.box(2, 4, 0.2), static=True))
+# 0.25 m is too near to another one, beyond 1000 m is no place, and a step of 0.08 m is too high
+STEP = sdf.sdf(sdf.BUILT_IN, sdf.body('step', '-1.25', sdf.box(2, 4, 0.16), static=True))
 
 
 @pytest.mark.parametrize('world, start, offsets', [
