@@ -68,36 +68,19 @@ def test_sensors_observe_at_their_periods():
     assert times['joint_states'] == [0.025, 0.05, 0.075, 0.1]
 
 
-def trajectory(cut):
-    """Drive the same commands in pieces of `cut` steps and return every reading's bytes."""
-    sim, seen = simulator('turtlebot3_world', x=-2.0, y=-0.5), []
-    for linear, angular in ((0.2, 0.0), (10.0, 0.4), (-10.0, 0.0), (0.0, 2.0)):
-        sim.vehicles[0].command(linear, angular)
-        for _ in range(1200 // cut):
-            for reading in sim.advance(cut):
-                if reading.sensor == 'odometry':
-                    seen.append((reading.value.position.tobytes(), reading.value.orientation,
-                                 reading.value.linear.tobytes()))
-    return seen
+def drive_with(switches, cut=10):
+    """Drive with sensors enabled or disabled before each quarter, in pieces of `cut` steps.
 
-
-def test_same_commands_same_trajectory_to_the_last_bit():
-    first = trajectory(10)
-    assert len(first) == 145
-    assert trajectory(10) == first
-    assert trajectory(400) == first
-
-
-def drive_with(switches):
-    """Drive with sensors enabled or disabled before each quarter; return poses and readings."""
+    Returns the motion after each piece, to the bit, and the readings.
+    """
     sim = simulator('turtlebot3_world', x=-2.0, y=-0.5)
     vehicle, places, readings = sim.vehicles[0], [], []
     for quarter, command in enumerate(((0.2, 0.0), (10.0, 0.4), (-10.0, 0.0), (0.0, 2.0))):
         vehicle.command(*command)
         for sensor, on in switches.get(quarter, {}).items():
             vehicle.set_sensor_enabled(sensor, on)
-        for _ in range(50):
-            readings.extend(sim.advance(10))
+        for _ in range(500 // cut):
+            readings.extend(sim.advance(cut))
             motion = vehicle.robot.motion()
             places.append((motion.position.tobytes(), motion.orientation,
                            motion.linear.tobytes(), motion.angular.tobytes()))
@@ -112,6 +95,11 @@ def usual():
 
 def seen_by(sensor, readings):
     return [(each.time_s, each.value) for each in readings if each.sensor == sensor]
+
+
+def test_same_commands_same_trajectory_to_the_last_bit(usual):
+    assert drive_with({})[0] == usual[0]
+    assert drive_with({}, 250)[0] == usual[0][24::25]
 
 
 def test_disabled_sensors_read_nothing_and_change_nothing(usual):
