@@ -12,42 +12,29 @@ DRIVE = {'type': 'diff_drive_controller/DiffDriveController', 'left_wheel': 'lef
 OTHER = {**DRIVE, 'left_wheel': 'another'}
 
 
-@pytest.fixture
-def read(monkeypatch):
-    """A function that returns what a robot finds on a parameter server."""
-    def read(server, robot_namespace=None, namespace='', library='gazebo_ros_control'):
-        tags = {} if robot_namespace is None else {'robotNamespace': robot_namespace}
-        monkeypatch.setattr('rospy.get_namespace', lambda: '/')
-        monkeypatch.setattr('img_recog.ros.parameters.value', server.get)
-        return drive_controllers.of_robot(urdf.root_of(robot(plugin(library, **tags))),
-                                          partial(controllers.read, Names(namespace)))
-    return read
-
-
-@pytest.mark.parametrize('space', [None, '', '/'])
-def test_those_of_a_single_robot_are_at_the_root(read, space):
-    assert read({'/': {'base': DRIVE, 'gazebo': {'type': 'x'}, 'robot_description': '<robot/>',
-                       'other': {'base': OTHER}}}, space) == {'base': DRIVE}
-
-
-def test_those_in_the_namespace_of_the_plugin(read):
-    server = {'/': {'base': OTHER}, '/husky': {'base': DRIVE}}
-    assert read(server, '/husky') == {'husky/base': DRIVE}
-    # that of the robot, which its topics get anyway
-    assert read(server, 'husky', 'husky') == {'base': DRIVE}
-
-
-def test_those_in_the_namespace_of_a_robot_count_more_than_those_for_all(read):
-    server = {'/': {'base': OTHER, 'arm': OTHER}, '/r1': {'base': DRIVE},
+AT_ROOT = {'/': {'base': DRIVE, 'gazebo': {'type': 'x'}, 'robot_description': '<robot/>',
+                 'other': {'base': OTHER}}}
+OF_A_PLUGIN = {'/': {'base': OTHER}, '/husky': {'base': DRIVE}}
+OF_A_ROBOT = {'/': {'base': OTHER, 'arm': OTHER}, '/r1': {'base': DRIVE},
               '/r1/wheels': {'base': DRIVE}}
-    assert read(server, '/', 'r1') == {'base': DRIVE, 'arm': OTHER}
-    assert read(server, '/', 'r2') == {'base': OTHER, 'arm': OTHER}
-    assert read(server, 'wheels', 'r1') == {'wheels/base': DRIVE}
 
 
-def test_a_robot_that_runs_no_controllers_has_none(read):
-    assert read({'/': {'base': DRIVE}}, library='gazebo_ros_planar_move') == {}
-
-
-def test_there_may_be_none(read):
-    assert read({'/': None}) == read({}) == {}
+# the parameters, the namespace in the tags of the plugin, that of the robot, and what is found
+@pytest.mark.parametrize('server, space, namespace, found', [
+    *((AT_ROOT, space, '', {'base': DRIVE}) for space in (None, '', '/')),
+    (OF_A_PLUGIN, '/husky', '', {'husky/base': DRIVE}),
+    # that of the robot, which its topics get anyway
+    (OF_A_PLUGIN, 'husky', 'husky', {'base': DRIVE}),
+    # those of a robot count more than those for all
+    (OF_A_ROBOT, '/', 'r1', {'base': DRIVE, 'arm': OTHER}),
+    (OF_A_ROBOT, '/', 'r2', {'base': OTHER, 'arm': OTHER}),
+    (OF_A_ROBOT, 'wheels', 'r1', {'wheels/base': DRIVE}),
+    ({'/': None}, None, '', {}), ({}, None, '', {})])
+def test_the_controllers_of_a_robot(monkeypatch, server, space, namespace, found):
+    monkeypatch.setattr('rospy.get_namespace', lambda: '/')
+    monkeypatch.setattr('img_recog.ros.parameters.value', server.get)
+    tags = {} if space is None else {'robotNamespace': space}
+    for library, expected in (('gazebo_ros_control', found), ('gazebo_ros_planar_move', {})):
+        assert drive_controllers.of_robot(
+            urdf.root_of(robot(plugin(library, **tags))),
+            partial(controllers.read, Names(namespace))) == expected
