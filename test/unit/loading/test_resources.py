@@ -7,14 +7,6 @@ import rospkg
 from img_recog.loading import resources
 
 
-@pytest.fixture
-def mesh(tmp_path):
-    path = tmp_path / 'models' / 'shelf' / 'meshes' / 'shelf.dae'
-    path.parent.mkdir(parents=True)
-    path.write_text('<COLLADA/>')
-    return path
-
-
 def test_package():
     path = resources.find('package://img_recog/urdf/turtlebot3_burger.urdf')
     assert os.path.isabs(path) and path.endswith('/urdf/turtlebot3_burger.urdf')
@@ -24,47 +16,40 @@ def test_package():
 
 @pytest.mark.parametrize('uri', [
     'package://no_such_package/meshes/a.stl', 'package://img_recog/meshes/no_such_file.stl',
-    'package://img_recog/urdf', 'package://img_recog', 'package://', 'package:///a.stl'])
-def test_package_that_is_not_there_or_has_no_such_file(uri):
+    'package://img_recog/urdf', 'package://img_recog', 'package://', 'package:///a.stl',
+    'http://example.org/shelf.dae', '', 'file://'])
+def test_what_is_not_there_or_no_file(uri):
     assert resources.find(uri) is None
 
 
-def test_model_in_the_first_folder_that_has_it(monkeypatch, tmp_path, mesh):
-    folders = [str(tmp_path / 'nothing'), '', str(tmp_path / 'models'), str(tmp_path)]
-    monkeypatch.setenv('GAZEBO_MODEL_PATH', os.pathsep.join(folders))
-    assert resources.find('model://shelf/meshes/shelf.dae') == str(mesh)
-    assert resources.find('model://models/shelf/meshes/shelf.dae') == str(mesh)
-    assert resources.find('model://shelf/meshes/table.dae') is None
-    assert resources.find('model:///shelf/meshes/shelf.dae') == str(mesh)
-    assert resources.find('model://shelf') == str(mesh.parent.parent)
+MESH, SHELF = 'models/shelf/meshes/shelf.dae', 'model://shelf/meshes/shelf.dae'
+FOLDERS = '{0}/nothing::{0}/models:{0}'
 
 
-@pytest.mark.parametrize('change', [
-    lambda patched: patched.delenv('GAZEBO_MODEL_PATH', raising=False),
-    lambda patched: patched.setenv('GAZEBO_MODEL_PATH', '')])
-def test_no_model_without_a_model_path(monkeypatch, mesh, change):
-    monkeypatch.chdir(mesh.parent.parent.parent)
-    change(monkeypatch)
-    assert resources.find('model://shelf/meshes/shelf.dae') is None
-
-
-def test_file_and_path(monkeypatch, mesh):
-    monkeypatch.chdir(mesh.parent)
-    assert resources.find('file://' + str(mesh)) == str(mesh)
-    assert resources.find(str(mesh)) == str(mesh)
-    assert resources.find('shelf.dae') == str(mesh)
-    assert resources.find('file://' + str(mesh) + '.gz') is None
-    for uri in ('http://example.org/shelf.dae', '', 'file://'):
-        assert resources.find(uri) is None
-
-
-@pytest.mark.parametrize('uri', ['file://shelf/meshes', 'file://shelf/meshes/shelf.dae',
-                                 'shelf/meshes/shelf.dae'])
-def test_a_relative_path_is_searched_for_where_gazebo_does(monkeypatch, tmp_path, mesh, uri):
-    monkeypatch.setenv('GAZEBO_RESOURCE_PATH', str(tmp_path / 'nothing'))
-    assert resources.find(uri) is None
-    monkeypatch.setenv('GAZEBO_RESOURCE_PATH', ':'.join(['/nowhere', str(tmp_path / 'models')]))
-    assert resources.find(uri) == str(tmp_path / 'models' / uri.replace('file://', ''))
+# the folders of models or of resources, from where it is searched, and what is found; {0}: of all
+@pytest.mark.parametrize('variable, folders, here, uri, found', [
+    # model://, in the first folder that has it
+    *(('MODEL', FOLDERS, '', uri, found) for uri, found in (
+        (SHELF, MESH), ('model://models/shelf/meshes/shelf.dae', MESH),
+        ('model://shelf/meshes/table.dae', None), ('model:///shelf/meshes/shelf.dae', MESH),
+        ('model://shelf', 'models/shelf'))),
+    # not without a path of models
+    ('MODEL', None, 'models', SHELF, None), ('MODEL', '', 'models', SHELF, None),
+    *(('MODEL', '', 'models/shelf/meshes', uri, found) for uri, found in (
+        ('file://{0}/' + MESH, MESH), ('{0}/' + MESH, MESH), ('shelf.dae', MESH),
+        ('file://{0}/' + MESH + '.gz', None))),
+    # a relative path, where Gazebo searches for it
+    *(('RESOURCE', folders, '', uri, found) for path in ('shelf/meshes', 'shelf/meshes/shelf.dae')
+      for uri in (path, 'file://' + path)
+      for folders, found in (('{0}/nothing', None), ('/nowhere:{0}/models', 'models/' + path)))])
+def test_files_and_folders(monkeypatch, tmp_path, variable, folders, here, uri, found):
+    (tmp_path / MESH).parent.mkdir(parents=True)
+    (tmp_path / MESH).write_text('<COLLADA/>')
+    monkeypatch.chdir(tmp_path / here)
+    monkeypatch.delenv('GAZEBO_MODEL_PATH', raising=False)
+    if folders is not None:
+        monkeypatch.setenv('GAZEBO_{}_PATH'.format(variable), folders.format(tmp_path))
+    assert resources.find(uri.format(tmp_path)) == (found and str(tmp_path / found))
 
 
 def test_models_that_gazebo_has_downloaded(monkeypatch, tmp_path):
