@@ -51,6 +51,9 @@ class Recorder(Listener):
     def opened(self, source):
         self.record('opened')
 
+    def resized(self, source):
+        self.record('resized', source.width)
+
     def frame(self, source, image):
         assert image is IMAGE
         self.record('frame')
@@ -215,6 +218,14 @@ def test_what_is_not_retried_ends_with_one_call_and_is_closed(clock, opening, ca
     assert rig.run() == calls
     assert [source.closed for source in rig.opened] == [1] * len(rig.opened)
     assert not [seconds for seconds in rig.waits if seconds >= 0.5]
+
+
+def test_another_size_is_said_once_before_its_first_frame(clock):
+    def grow():
+        rig.opened[-1].width = 3
+    rig = Rig(clock, device(0.125, grow, 0.125, SourceEnded('over')))
+    assert rig.run() == [('opened', 0.0), ('frame', 0.125), ('resized', 3, 0.125),
+                         ('frame', 0.125), ('frame', 0.25), ('ended', 'over', 0.25)]
 
 
 def test_camera_above_its_max_rate_is_throttled_evenly(clock):

@@ -2,18 +2,14 @@
 import contextlib
 import gc
 import os
-import threading
 
 import cv2
 import pytest
 
-from img_recog.camera.capture import Capture, Listener
 from img_recog.camera.decoder import open_decoder
-from img_recog.camera.selection import open_source
-from img_recog.camera.source import FrameSkipped
-from img_recog.camera.usb_cam_settings import UsbCamSettings
+from img_recog.camera.selection import open_file
+from img_recog.camera.source import FrameSkipped, SourceEnded
 from img_recog.recordings.films import FilmFrames
-from img_recog_helpers.waiting import DEADLINE_S
 
 SMALL, LARGE = (96, 64), (128, 96)
 H264 = ['-c:v', 'libx264', '-pix_fmt', 'yuv420p']
@@ -85,48 +81,16 @@ def test_it_has_as_many_threads_as_opencv(make_film, threads, started):
         cv2.setNumThreads(before)
 
 
-class Record(Listener):
-    """Keeps what a capture says: sizes of frames and changes, and the mean of each frame."""
-
-    def __init__(self):
-        self.sizes, self.images, self.changes, self.end = [], [], [], threading.Event()
-
-    def resized(self, source):
-        self.changes.append((len(self.sizes), source.width, source.height))
-
-    def frame(self, source, image):
-        assert image.shape == (source.height, source.width, 3)
-        self.sizes.append((source.width, source.height))
-        self.images.append(image.tobytes())
-
-    def lost(self, reason):
-        self.end.set()
-
-    def ended(self, reason):
-        self.end.set()
-
-    def failed(self, error, opening):
-        raise error
-
-
-def captured(url):
-    """Return what a capture of a source says until its end."""
-    record = Record()
-    capture = Capture(lambda: open_source(UsbCamSettings(video_device=url, loop=False)), record)
-    capture.start_thread()
-    capture.start()
-    assert record.end.wait(DEADLINE_S)
-    capture.stop()
-    capture.shut_down()
-    return record
-
-
 def test_a_video_whose_size_changes_goes_on_with_the_new_size(joined):
-    record = captured(joined)
-    number = record.sizes.index(LARGE)
-    assert record.sizes == [SMALL] * number + [LARGE] * 10 and number >= 9
-    assert record.changes == [(number, *LARGE)]
-    assert len(set(record.images)) == len(record.images)        # no old picture is repeated
+    source, images = open_file(joined, 30.0, loop=False), []
+    with contextlib.suppress(SourceEnded):
+        while True:
+            images.append(source.read())
+            assert images[-1].shape == (source.height, source.width, 3)
+    source.close()
+    sizes = [image.shape[1::-1] for image in images]
+    assert sizes == [SMALL] * sizes.index(LARGE) + [LARGE] * 10 and sizes.index(LARGE) >= 9
+    assert len({image.tobytes() for image in images}) == len(images)    # no old one is repeated
 
 
 def test_replay_of_a_video_whose_size_changes_says_so_once(joined):

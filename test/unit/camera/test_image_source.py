@@ -53,17 +53,16 @@ def test_folder_that_cannot_be_read():
         files_in('/no/such', is_image)
 
 
-def test_an_image_in_a_folder_is_known_by_its_content_too(tmp_path):
-    (tmp_path / 'name').write_bytes(cv2.imencode('.png', np.zeros((4, 4), np.uint8))[1].tobytes())
-    assert files_in(str(tmp_path), is_image) == ([str(tmp_path / 'name')], '')
+PNG = cv2.imencode('.png', np.zeros((4, 4), np.uint8))[1].tobytes()
 
 
-def test_a_pipe_in_a_folder_is_left_out_unopened(tmp_path):
-    os.mkfifo(str(tmp_path / 'a.png'))
+@pytest.mark.parametrize('name, make, is_there', [
+    ('name', lambda path: path.write_bytes(PNG), True),         # by its content
+    ('a.png', lambda path: os.mkfifo(str(path)), False),        # is not opened
+    # a format that OpenCV has switched off
+    ('a.exr', lambda path: path.write_bytes(b'\x76\x2f\x31\x01' + bytes(99)), False)])
+def test_what_is_an_image_in_a_folder(tmp_path, name, make, is_there):
+    make(tmp_path / name)
     assert files_in(str(tmp_path), is_image) == (
-        [], '1 of 1 entries of the folder {} left out: a.png'.format(tmp_path))
-
-
-def test_a_format_that_opencv_has_switched_off_is_no_image(tmp_path):
-    (tmp_path / 'a.exr').write_bytes(b'\x76\x2f\x31\x01' + bytes(99))
-    assert not is_image(str(tmp_path / 'a.exr'))
+        ([str(tmp_path / name)], '') if is_there else
+        ([], '1 of 1 entries of the folder {} left out: {}'.format(tmp_path, name)))
