@@ -5,30 +5,21 @@ The wheels turn there at the speeds of the command.
 import pytest
 
 from img_recog.checks.simulation_run import RunOptions, SimulationRun
+from img_recog_helpers import sdf
 from img_recog_helpers.robots import burger
-from img_recog_helpers.sdf import BUILT_IN, sdf
 
-BOX = ('<model name="m"><pose>{pose}</pose><static>{static}</static><link name="l"><inertial>'
-       '<mass>{mass}</mass><inertia><ixx>{i}</ixx><iyy>{i}</iyy><izz>{i}</izz></inertia>'
-       '</inertial><collision name="c"><geometry><box><size>{size}</size></box></geometry>'
-       '{surface}</collision></link></model>')
 ROBOT = 'turtlebot3_burger::base_footprint'
 MU = '<surface><friction><ode><mu>0.5</mu><mu2>0.5</mu2></ode></friction></surface>'
 
 
-def box(pose, size='0.1 0.1 0.1', mass=0.05, static=0, surface=''):
-    return BOX.format(pose=pose, size=size, mass=mass, static=static, surface=surface,
-                      i=mass / 600)
-
-
-def fixed(pose, size):
-    return box(pose, size, static=1)
+def box(pose, *size, mass=0.05, **more):
+    return sdf.body('m', pose, sdf.box(*size), mass=mass, moments=mass / 600, **more)
 
 
 def states(tmp_path, model, seconds, twist=''):
     """Return the states of all links after a time; twist: of the burger, if there is one."""
     world, urdf = tmp_path / 'w.sdf', tmp_path / 'burger.urdf'
-    world.write_text(sdf(BUILT_IN, model))
+    world.write_text(sdf.sdf(sdf.BUILT_IN, model))
     urdf.write_text(burger())
     lines = list(SimulationRun(RunOptions(str(world), str(urdf) if twist else '', until_s=seconds,
                                           every_s=seconds, twist=twist)).lines())
@@ -36,11 +27,11 @@ def states(tmp_path, model, seconds, twist=''):
 
 
 @pytest.mark.parametrize('model, seconds, link, x', [
-    (box('0.25 0 0.05 0 0 0', surface=MU), 4, 'm::l', 0.8605),
-    (box('0.25 0 0.05 0 0 0'), 4, 'm::l', 0.8515),
-    (fixed('1.29349 0 0.124408 0 -0.174533 0', '2 1 0.1'), 5, ROBOT, 0.2974),
-    (fixed('0.4 0 0.0015 0 0 0', '0.1 1 0.003'), 5, ROBOT, 0.3364),
-    (fixed('0.4 0 0.25 0 0 0', '0.1 1 0.5'), 5, ROBOT, 0.3120)])
+    (box('0.25 0 0.05', 0.1, 0.1, 0.1, surface=MU), 4, 'm::l', 0.8605),
+    (box('0.25 0 0.05', 0.1, 0.1, 0.1), 4, 'm::l', 0.8515),
+    (box('1.29349 0 0.124408 0 -0.174533', 2, 1, 0.1, static=True), 5, ROBOT, 0.2974),
+    (box('0.4 0 0.0015', 0.1, 1, 0.003, static=True), 5, ROBOT, 0.3364),
+    (box('0.4 0 0.25', 0.1, 1, 0.5, static=True), 5, ROBOT, 0.3120)])
 def test_what_the_burger_pushes_and_what_stops_it(model, seconds, link, x, tmp_path):
     found = states(tmp_path, model, seconds, '0.2,0')
     assert found[link][0] == pytest.approx(x, rel=0.02, abs=0.005)
@@ -48,5 +39,5 @@ def test_what_the_burger_pushes_and_what_stops_it(model, seconds, link, x, tmp_p
 
 def test_a_box_that_fell_lies_flat_on_the_floor(tmp_path):
     # from 1.9 m above it
-    state = states(tmp_path, box('0 0 2 0 0 0', '0.2 0.2 0.2', 1), 1)['m::l']
+    state = states(tmp_path, box('0 0 2', 0.2, 0.2, 0.2, mass=1), 1)['m::l']
     assert state[2:6] == pytest.approx([0.1, 0, 0, 0], abs=0.003)
