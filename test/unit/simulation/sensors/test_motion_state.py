@@ -30,7 +30,7 @@ def spot(before, turn):
     # in a curve
     *(([(speed, turn), (0.9 * speed, turn), (speed, turn), (0.0, turn)],
        ['drives forward', None, None, 'turns left'])
-      for speed, turn in ((0.05, 0.5), (0.1, 2.0), (0.22, 2.8)))])
+      for speed, turn in ((0.05, 0.5), (0.1, 2.0), (0.22, 2.8), (0.022, 1.0)))])
 def test_what_is_said(motions, said):
     state = MotionState()
     assert [state.update(moving(*motion)) for motion in motions] == said
