@@ -36,10 +36,6 @@ def with_visual(inside):
         inside))
 
 
-def first_visual(inside):
-    return read(assemble(urdf=with_visual(inside), find_mesh=str))[0].visuals[0]
-
-
 def test_parts_are_the_links_of_robots_and_world():
     scene, parts = read(assemble(HALL, x=0.5, y=0.25, yaw=1.0))
     numbers = parts.numbers()
@@ -90,29 +86,27 @@ def test_the_floor_is_seen_where_the_world_has_it(world, has_floor):
     assert read(assemble(world))[0].floor is has_floor
 
 
-@pytest.mark.parametrize('inside, shape, material', [
-    ('<geometry><box size="1 2 3"/></geometry>', Shape(BOX, (1.0, 2.0, 3.0)), None),
+PLATE = Material((0.25, 0.25, 0.26, 1.0))
+
+
+# a material of a URDF is that of what has none in the file of its mesh
+@pytest.mark.parametrize('inside, shape, material, prefers_file', [
+    ('<geometry><box size="1 2 3"/></geometry>', Shape(BOX, (1.0, 2.0, 3.0)), None, False),
     ('<geometry><mesh filename="/a.stl"/></geometry>', Shape(MESH, (1.0, 1.0, 1.0), '/a.stl'),
-     None),
+     None, False),
     ('<geometry><mesh filename="/a.dae" scale="1 2 3"/></geometry><material name="plate"/>',
-     Shape(MESH, (1.0, 2.0, 3.0), '/a.dae'), Material((0.25, 0.25, 0.26, 1.0))),
+     Shape(MESH, (1.0, 2.0, 3.0), '/a.dae'), PLATE, True),
+    ('<geometry><sphere radius="2"/></geometry><material name="plate"/>', Shape(SPHERE, (2.0,)),
+     PLATE, False),
     ('<geometry><sphere radius="2"/></geometry><material name="m"><color rgba="1 0 0 0.5"/>'
      '<texture filename="/a.png"/></material>', Shape(SPHERE, (2.0,)),
-     Material((1.0, 0.0, 0.0, 0.5), '/a.png')),
+     Material((1.0, 0.0, 0.0, 0.5), '/a.png'), False),
     ('<geometry><sphere radius="2"/></geometry><material name="unknown"/>', Shape(SPHERE, (2.0,)),
-     None)])
-def test_shapes_and_materials(inside, shape, material):
-    visual = first_visual(inside)
-    assert (visual.part, visual.shape, visual.material) == (0, shape, material)
-
-
-@pytest.mark.parametrize('shape, material, prefers_file', [
-    ('<mesh filename="/a.dae"/>', '<material name="plate"/>', True),
-    ('<mesh filename="/a.dae"/>', '', False), ('<sphere radius="1"/>', '<material name="plate"/>',
-                                               False)])
-def test_a_material_of_a_urdf_is_that_of_what_has_none_in_the_mesh(shape, material, prefers_file):
-    inside = '<geometry>{}</geometry>{}'.format(shape, material)
-    assert first_visual(inside).prefers_file is prefers_file
+     None, False)])
+def test_shapes_and_materials(inside, shape, material, prefers_file):
+    visual, *_ = read(assemble(urdf=with_visual(inside), find_mesh=str))[0].visuals
+    assert (visual.part, visual.shape, visual.material, visual.prefers_file) == (
+        0, shape, material, prefers_file)
 
 
 def test_a_plane_is_the_upper_side_of_its_box():
