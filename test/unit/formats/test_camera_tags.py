@@ -57,22 +57,6 @@ def test_what_is_not_given_is_that_of_the_plugin():
                 'eye/depth/camera_info')
 
 
-@pytest.mark.parametrize('given, topic', [
-    ('raw', 'eye/raw'), ('a/raw', 'eye/a/raw'), ('/raw', 'raw'), ('/a/raw/', 'a/raw')])
-def test_a_topic_with_a_leading_slash_is_not_below_the_camera(given, topic):
-    camera, = read(PLAIN.format('', '<cameraName>/eye/</cameraName><imageTopicName>{0}'
-                                '</imageTopicName><frameName>/lens</frameName>'.format(given)))
-    assert (camera.camera_image_topic, camera.camera_optical_frame) == (topic, 'lens')
-
-
-@pytest.mark.parametrize('plugin_rate, sensor_rate, rate', [
-    (30, 10, 10.0), (10, 30, 10.0), (0, 20, 20.0), (20, 0, 20.0), (0, 0, 30.0)])
-def test_the_rate_is_the_lower_one(plugin_rate, sensor_rate, rate):
-    camera, = read(PLAIN.format('<update_rate>{}</update_rate>'.format(sensor_rate),
-                                '<updateRate>{}</updateRate>'.format(plugin_rate)))
-    assert camera.camera_rate == rate
-
-
 @pytest.mark.parametrize('sensor, plugin, label', [
     ('', '<distortionK1>0.00000001</distortionK1><distortionT2>-0.10</distortionT2>',
      'distortion by the plugin'),
@@ -86,11 +70,6 @@ def test_what_is_not_simulated_of_a_camera_is_named(sensor, plugin, label):
 def test_another_plugin_in_a_camera_is_named():
     text = robot(PLAIN.format('<plugin name="o" filename="libother.so"/>', ''))
     assert tags(text).not_simulated == ['plugin libother.so']
-
-
-def test_of_a_size_the_whole_part_counts():
-    camera, = read(PLAIN.format('<camera><image><width>32.5</width></image></camera>', ''))
-    assert camera.camera_width == 32
 
 
 def test_several_cameras_in_their_order():

@@ -60,12 +60,6 @@ def test_a_lens_of_a_named_type(kind):
     assert camera.lens.cutoff_angle == math.pi / 2      # the default of SDF
 
 
-@pytest.mark.parametrize('lens', ['', '<lens><type>custom</type></lens>'])
-def test_a_lens_without_a_function_is_stereographic(lens):
-    camera, = read('wideanglecamera', '<camera>{}</camera>'.format(lens)).cameras
-    assert camera.camera_lens == 'stereographic'
-
-
 @pytest.mark.parametrize('change, words', [
     (('custom<', 'fisheye<'), "sensor c: camera_lens: got 'fisheye', allowed is one of pinhole,"),
     (('>tan<', '>cot<'), "sensor c: camera_fun: got 'cot', allowed is one of tan, sin, id"),
@@ -103,12 +97,45 @@ def test_the_format_of_images(given, encoding, problems):
     assert found.cameras[0].camera_encoding == encoding and found.not_simulated == problems
 
 
-@pytest.mark.parametrize('given, topic', [('tb3', 'tb3/eye/raw'), ('/', 'eye/raw'),
-                                          ('/a/b/', 'a/b/eye/raw')])
-def test_the_namespace_of_the_plugin(given, topic):
-    camera, = read('camera', '', '<robotNamespace>{}</robotNamespace><cameraName>eye</cameraName>'
-                   '<imageTopicName>raw</imageTopicName>'.format(given)).cameras
-    assert camera.camera_image_topic == topic
+EYE = '<cameraName>/eye/</cameraName>'
+
+
+@pytest.mark.parametrize('kind, sensor, plugin, library, wanted', [
+    ('camera', '<camera><horizontal_fov>1.5</horizontal_fov><image><width>32</width><height>24'
+     '</height></image><clip><near>0.2</near><far>77</far></clip><noise><mean>0.1</mean><stddev>'
+     '0.3</stddev></noise></camera>', '<hackBaseline>0.07</hackBaseline>', CAMERA,
+     {'horizontal_fov': 1.5, 'width': 32, 'height': 24, 'near': 0.2, 'far': 77, 'noise': 0.3,
+      'noise_mean': 0.1, 'baseline': 0.07}),
+    ('camera', '<camera><noise><type>none</type><mean>1</mean><stddev>1</stddev></noise></camera>',
+     '', CAMERA, {'noise': 0.0, 'noise_mean': 0.0}),
+    # of a size the whole part counts
+    ('camera', '<camera><image><width>32.5</width></image></camera>', '', CAMERA, {'width': 32}),
+    # the lower one of two rates
+    *(('camera', '<update_rate>{}</update_rate>'.format(of_sensor),
+       '<updateRate>{}</updateRate>'.format(of_plugin), CAMERA, {'rate': rate})
+      for of_plugin, of_sensor, rate in (
+          (30, 10, 10.0), (10, 30, 10.0), (0, 20, 20.0), (20, 0, 20.0), (0, 0, 30.0))),
+    # a topic with a leading slash is not below the camera
+    *(('camera', '', EYE + '<imageTopicName>{}</imageTopicName><frameName>/lens</frameName>'
+       .format(given), CAMERA, {'image_topic': topic, 'optical_frame': 'lens'})
+      for given, topic in (('raw', 'eye/raw'), ('a/raw', 'eye/a/raw'), ('/raw', 'raw'),
+                           ('/a/raw/', 'a/raw'))),
+    *(('camera', '', EYE + '<imageTopicName>raw</imageTopicName><robotNamespace>{}'
+       '</robotNamespace>'.format(given), CAMERA, {'image_topic': topic})
+      for given, topic in (('tb3', 'tb3/eye/raw'), ('/', 'eye/raw'), ('/a/b/', 'a/b/eye/raw'))),
+    ('depth', '', EYE + '<depthImageTopicName>d</depthImageTopicName>'
+     '<depthImageCameraInfoTopicName>e</depthImageCameraInfoTopicName>', KINECT,
+     {'depth_topic': 'eye/d', 'depth_info_topic': 'eye/e'}),
+    *(('depth', '', '<useDepth16UC1Format>{}</useDepth16UC1Format>'.format(flag), KINECT,
+       {'depth_encoding': encoding})
+      for flag, encoding in (('1', '16UC1'), (' TRUE ', '16UC1'), ('false', '32FC1'),
+                             ('0', '32FC1'))),
+    # a lens without a function
+    *(('wideanglecamera', '<camera>{}</camera>'.format(lens), '', CAMERA,
+       {'lens': 'stereographic'}) for lens in ('', '<lens><type>custom</type></lens>'))])
+def test_the_settings_of_a_camera(kind, sensor, plugin, library, wanted):
+    camera, = read(kind, sensor, plugin, library).cameras
+    assert {name: getattr(camera, 'camera_' + name) for name in wanted} == wanted
 
 
 def test_a_stereo_pair():
@@ -151,40 +178,6 @@ def test_poses_have_six_numbers():
         found, = read('camera', (pose.format(*sensor) if sensor else '') + '<camera>{}</camera>'
                       .format(pose.format(*camera) if camera else '')).cameras
         assert [getattr(found, name) for name in names] == pytest.approx(wanted)
-
-
-def test_numbers_of_the_camera():
-    camera, = read('camera', '<camera><horizontal_fov>1.5</horizontal_fov><image><width>32</width>'
-                   '<height>24</height></image><clip><near>0.2</near><far>77</far></clip><noise>'
-                   '<mean>0.1</mean><stddev>0.3</stddev></noise></camera>',
-                   '<hackBaseline>0.07</hackBaseline>').cameras
-    assert (camera.camera_horizontal_fov, camera.camera_width, camera.camera_height) == (
-        1.5, 32, 24)
-    assert (camera.camera_near, camera.camera_far) == (0.2, 77)
-    assert (camera.camera_noise, camera.camera_noise_mean) == (0.3, 0.1)
-    assert camera.camera_baseline == 0.07
-
-
-def test_noise_of_the_type_none_is_none():
-    camera, = read('camera', '<camera><noise><type>none</type><mean>1</mean><stddev>1</stddev>'
-                   '</noise></camera>').cameras
-    assert (camera.camera_noise, camera.camera_noise_mean) == (0.0, 0.0)
-
-
-@pytest.mark.parametrize('flag, encoding', [
-    ('1', '16UC1'), (' TRUE ', '16UC1'), ('false', '32FC1'), ('0', '32FC1')])
-def test_the_encoding_of_depths(flag, encoding):
-    camera, = read('depth', '', '<useDepth16UC1Format>{}</useDepth16UC1Format>'.format(flag),
-                   KINECT).cameras
-    assert camera.camera_depth_encoding == encoding
-
-
-def test_topics_of_depth():
-    camera, = read('depth', '', '<cameraName>eye</cameraName>'
-                   '<depthImageTopicName>d</depthImageTopicName>'
-                   '<depthImageCameraInfoTopicName>e</depthImageCameraInfoTopicName>',
-                   KINECT).cameras
-    assert (camera.camera_depth_topic, camera.camera_depth_info_topic) == ('eye/d', 'eye/e')
 
 
 @pytest.mark.parametrize('plugin, problems', [

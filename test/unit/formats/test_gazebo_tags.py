@@ -183,7 +183,15 @@ def test_rates_of_zero_or_less_are_each_step(rate):
      {'imu_topic': 'default_imu', 'imu_period_s': 0.001, 'imu_gravity': False, 'imu_frame': 'b'}),
     (imu_sensor('', rate='0'), {'imu_topic': 'imu', 'imu_period_s': 0.001, 'imu_gravity': True}),
     (imu_sensor('').replace('<update_rate>100</update_rate>', ''), {'imu_period_s': 1.0}),
-    (imu_sensor('<updateRateHZ>50</updateRateHZ>'), {'imu_period_s': 0.02})])
+    (imu_sensor('<updateRateHZ>50</updateRateHZ>'), {'imu_period_s': 0.02}),
+    (ray(library='gazebo_ros_range', laser=''), {'range_radiation': None}),
+    (ray(library='hector_gazebo_ros_sonar', laser='<frameId>f</frameId>'),
+     {'range_radiation': 'ultrasound', 'range_frame': 'f', 'range_topic': 'sonar',
+      'range_field_of_view': 0.0}),
+    # of a whole number the digits at the beginning count: Gazebo 11 casts as many rays
+    *((ray(samples=text), {'scan_samples': rays}) for text, rays in (
+        ('360.5', 360), ('360.0', 360), (' 360 ', 360), ('0x168', 360), ('12 rays', 12),
+        ('3.6e2', 3)))])
 def test_values(elements, wanted):
     values = overrides(robot(elements))
     assert {name: values.get(name) for name in wanted} == wanted
@@ -194,6 +202,12 @@ def test_values(elements, wanted):
         'wheel_torque': 7.0, 'left_joint': 'left_joint', 'right_joint': 'right_joint'}),
     (ray('gpu_ray', 'gazebo_ros_gpu_laser'), SCAN_SETTINGS),
     (ray(library='gazebo_ros_range', laser=tags(RANGE_TAGS)), RANGE_SETTINGS),
+    (gazebo(plugin(
+        '<bodyName>b</bodyName><frameId>f</frameId><topicName>t</topicName><updateRate>50'
+        '</updateRate><accelGaussianNoise>3 4 0</accelGaussianNoise><rateGaussianNoise>0.1'
+        '</rateGaussianNoise>', 'hector_gazebo_ros_imu')),
+     {'imu_frame': 'f', 'imu_topic': 't', 'imu_period_s': 0.02, 'imu_gravity': True,
+      'gyro_noise': 0.1, 'accel_noise': pytest.approx((25 / 3) ** 0.5)}),
     # the form for all axes is not read since SDF 1.6, which a URDF is
     (imu_sensor('<topicName>imu</topicName>', NOISE),
      {**IMU_SETTINGS, 'imu_gravity': True, 'imu_period_s': 0.01}),
@@ -204,13 +218,6 @@ def test_values(elements, wanted):
             Noise(), Noise(), Noise(precision=5), Noise(), Noise(1, 2, 3, 4), Noise())})])
 def test_these_values_alone(elements, wanted):
     assert overrides(robot(elements)) == wanted
-
-
-# Gazebo 11 casts as many rays
-@pytest.mark.parametrize('text, rays', [('360.5', 360), ('360.0', 360), (' 360 ', 360),
-                                        ('0x168', 360), ('12 rays', 12), ('3.6e2', 3)])
-def test_of_a_whole_number_the_digits_at_the_beginning_count(text, rays):
-    assert overrides(robot(ray(samples=text)))['scan_samples'] == rays
 
 
 def test_of_two_drives_the_first_counts_and_all_sensors_are_simulated():
@@ -245,14 +252,6 @@ def test_tags_and_defaults_of_plugins_are_of_settings_that_there_are(kind):
     assert named <= {field.name for field in setting_fields(kind.settings)}
 
 
-def test_defaults_of_range_plugins():
-    sonar = ray(library='hector_gazebo_ros_sonar', laser='<frameId>f</frameId>')
-    values = overrides(robot(sonar))
-    assert (values['range_radiation'], values['range_frame'], values['range_topic'],
-            values['range_field_of_view']) == ('ultrasound', 'f', 'sonar', 0.0)
-    assert 'range_radiation' not in overrides(robot(ray(library='gazebo_ros_range', laser='')))
-
-
 def test_what_the_plugin_of_kobuki_measures_is_listed():
     kobuki = next(row.tags for row in PLUGINS if 'gazebo_ros_kobuki' in row.tags.plugins)
     assert parsed.tags(robot(gazebo(plugin('', 'gazebo_ros_kobuki'))), drive=kobuki
@@ -276,16 +275,6 @@ def test_periods_of_defaults_are_whole_steps():
     assert overrides(robot(publisher), 0.004) == {'joint_states_period_s': 0.008}
 
 
-def test_imu_of_hector():
-    unit = plugin('<bodyName>b</bodyName><frameId>f</frameId><topicName>t</topicName>'
-                  '<accelGaussianNoise>3 4 0</accelGaussianNoise><updateRate>50</updateRate>'
-                  '<rateGaussianNoise>0.1</rateGaussianNoise>', 'hector_gazebo_ros_imu')
-    assert overrides(robot(gazebo(unit))) == {
-        'imu_frame': 'f', 'imu_topic': 't', 'imu_period_s': 0.02, 'imu_gravity': True,
-        'gyro_noise': 0.1,
-        'accel_noise': pytest.approx((25 / 3) ** 0.5)}
-
-
 def test_what_is_not_simulated_is_listed_in_order():
     camera = '<sensor type="camera" name="c">{}</sensor>'.format(
         plugin('', 'gazebo_ros_camera'))
@@ -306,15 +295,11 @@ def test_a_laser_plugin_must_be_in_a_sensor_and_other_plugins_and_rows_are_liste
         'rows of rays of sensor lds above and below the middle one']
 
 
-@pytest.mark.parametrize('text', ['x', '', 'nan', 'inf', '1e999', '${separation}'])
-def test_refuses_what_is_not_a_finite_number(text):
-    assert refusal(overrides, robot(drive(wheelSeparation=text))) == (
-        '<wheelSeparation> of plugin wheels: got {!r}, expected a finite number'
-        .format(text))
-
-
 @pytest.mark.parametrize('elements, wanted', [
     (drive(updateRate='often'), "<updateRate> of plugin wheels: got 'often', expected a finite n"),
+    *((drive(wheelSeparation=text), '<wheelSeparation> of plugin wheels: got {!r}, expected a '
+       'finite number'.format(text))
+      for text in ('x', '', 'nan', 'inf', '1e999', '${separation}')),
     (drive(publishOdomTF='yes'), "<publishOdomTF> of plugin wheels: got 'yes', expected true"),
     (drive(odometrySource='gps'),
      "<odometrySource> of plugin wheels: got 'gps', expected world or"),

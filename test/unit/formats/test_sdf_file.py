@@ -9,8 +9,6 @@ from img_recog.formats.problems import Problems
 from img_recog_helpers.sdf import BUILT_IN, sdf
 
 LINK = '<link name="l"><pose>0 0 1 0 0 0</pose></link>'
-CONFIG = ('<model><name>n</name><sdf version="1.4">old.sdf</sdf>'
-          '<sdf version="1.6">new.sdf</sdf></model>')
 
 FUEL = 'https://fuel.gazebosim.org/1.0/OpenRobotics/models/'
 
@@ -63,16 +61,20 @@ def test_what_the_finder_finds_comes_first(folder):
     assert places(read(folder, include('model://table'), find=found.get)) == {'lamp': [0, 0, 1]}
 
 
-def test_the_newest_version_in_model_config_is_read(folder):
+NEWER = '<sdf version="1.4">a.sdf</sdf><sdf version="1.6">b.sdf</sdf>'
+
+
+@pytest.mark.parametrize('entries, files, name', [
+    (NEWER, 'ab', 'b'), (NEWER, 'a', 'a'), (NEWER, '', 'table'), ('', 'ab', 'table'),
+    ('<sdf version="1.10"> b.sdf </sdf><sdf version="1.9">a.sdf</sdf>', 'ab', 'b'),
+    ('<sdf>b.sdf</sdf><sdf version="1.2">a.sdf</sdf>', 'ab', 'a'),
+    ('<sdf version="x">b.sdf</sdf><sdf version="1.2"/>', 'ab', 'b')])
+def test_the_newest_version_in_model_config_is_read(folder, entries, files, name):
     table = folder / 'models' / 'table'
-    (table / 'model.config').write_text(CONFIG)
-    model(table / 'old.sdf', 'old', LINK)
-    model(table / 'new.sdf', 'new', LINK)
-    assert list(places(read(folder, include('model://table')))) == ['new']
-    (table / 'new.sdf').unlink()
-    assert list(places(read(folder, include('model://table')))) == ['old']
-    (table / 'old.sdf').unlink()
-    assert list(places(read(folder, include('model://table')))) == ['table']
+    (table / 'model.config').write_text('<model><name>n</name>{}</model>'.format(entries))
+    for each in files:
+        model(table / (each + '.sdf'), each, LINK)
+    assert list(places(read(folder, include('model://table')))) == [name]
 
 
 def test_includes_in_models(folder):
@@ -289,15 +291,3 @@ def test_gravity(folder, inside, gravity):
     contents = read(folder, inside)
     assert contents.gravity == gravity
     assert contents.trees == ()
-
-
-def test_a_model_config_with_odd_entries(folder):
-    table = folder / 'models' / 'table'
-    model(table / 'a.sdf', 'a', LINK)
-    model(table / 'b.sdf', 'b', LINK)
-    for inside, name in (
-            ('<sdf version="1.10"> b.sdf </sdf><sdf version="1.9">a.sdf</sdf>', 'b'),
-            ('<sdf>b.sdf</sdf><sdf version="1.2">a.sdf</sdf>', 'a'),
-            ('<sdf version="x">b.sdf</sdf><sdf version="1.2"/>', 'b'), ('', 'table')):
-        (table / 'model.config').write_text('<model>{}</model>'.format(inside))
-        assert list(places(read(folder, include('model://table')))) == [name]
