@@ -11,6 +11,7 @@ import psutil
 import pytest
 
 from img_recog_helpers.process_table import command_lines
+from img_recog_helpers.processes import Ros
 from img_recog_helpers.waiting import wait_for
 
 try:
@@ -36,6 +37,23 @@ def need_chromium():
         pytest.skip('selenium cannot be loaded: {}: no test of the page'.format(_MISSING))
     if not (shutil.which('chromium') and shutil.which('chromedriver')):
         pytest.skip('chromium and chromium-driver are not installed: no test of the page')
+
+
+@contextlib.contextmanager
+def demo_with_page(folder, *arguments):
+    """Run a demo with the page in an empty world, unless another one is given; yield its Ros.
+
+    ros.url: of the page; ros.process: of the demo. The view is drawn seldom: at its usual rate,
+    drawing it and showing it take more CPU time than all else.
+    """
+    need_chromium()
+    with Ros(folder) as ros:
+        ros.start_master()
+        ros.set_parameters('/gazebo/view_rate', 2.0)
+        ros.process = ros.demo('world:=empty', 'web:=true', *arguments, cwd=str(folder),
+                               env=dict(ros.env, PWD=str(folder)))
+        ros.url = ros.process.wait_output(r'the page: (http://\S+)').group(1)
+        yield ros
 
 
 class Browser:

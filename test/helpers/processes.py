@@ -20,6 +20,8 @@ from img_recog_helpers.waiting import stretch, wait_for
 
 _END_S = 20.0               # until a program that is interrupted is killed
 _LAST_OUTPUT_S = 30.0       # of a program that has ended; a child may keep the pipe open
+# images of the usual size take more CPU time than all else of the demo
+SMALL_CAMERA = 'camera:=synthetic', 'image_width:=320', 'image_height:=240'
 _PROGRAMS = os.environ['CMAKE_PREFIX_PATH'].split(os.pathsep)[0] + '/lib/img_recog/'
 
 
@@ -169,9 +171,9 @@ class Ros:
         return self.start(_PROGRAMS + script, *arguments, **popen)
 
     def demo(self, *arguments, **popen):
-        """Start the demo, by default with the synthetic camera and without the page."""
-        return self.start('roslaunch', '-p', self.port, 'img_recog', 'demo.launch',
-                          'camera:=synthetic', 'web:=false', *arguments, **popen)
+        """Start the demo, by default with a small synthetic camera and without the page."""
+        return self.start('roslaunch', '-p', self.port, 'img_recog', 'demo.launch', *SMALL_CAMERA,
+                          'web:=false', *arguments, **popen)
 
     def run(self, *command):
         """Run a program until it ends; return its output."""

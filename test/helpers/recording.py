@@ -1,5 +1,4 @@
 """Collects the messages of topics, calls services, and runs the tests, for the rostests."""
-import functools
 import re
 
 import rospy
@@ -8,27 +7,14 @@ from diagnostic_msgs.msg import DiagnosticArray
 from rosgraph_msgs.msg import Log
 from std_srvs.srv import Empty
 
-from img_recog.ros import lifecycle
-from img_recog.ros.master import master_watch
 from img_recog_helpers import statuses
 from img_recog_helpers.waiting import DEADLINE_S, wait_for
-
-
-@functools.lru_cache(maxsize=None)      # once
-def _keep_connected():
-    """Connect subscribers of this process again to publishers that they are not connected to.
-
-    rospy tries only once: a subscriber that was made while a publisher registered may miss it for
-    ever, on a busy machine.
-    """
-    master_watch.start(lifecycle.on_shutdown)
 
 
 class Recorder:
     """Collects the messages of a topic that `accept` returns True for."""
 
     def __init__(self, topic, message_type, accept=lambda msg: True):
-        _keep_connected()
         self.messages = []
         self._topic = topic
         self._accept = accept
@@ -51,10 +37,6 @@ class Recorder:
     def close(self):
         """Unsubscribe."""
         self._subscriber.unregister()
-
-    def forget(self, since):
-        """Drop the messages whose stamps are before a time."""
-        self.messages = [msg for msg in self.messages if msg.header.stamp >= since]
 
     def wait(self, count=1, deadline_s=DEADLINE_S):
         """Wait until there are `count` more messages than now; return all."""

@@ -75,13 +75,6 @@ class LiveTest(unittest.TestCase):
                                       if msg.header.stamp == frame.header.stamp), None),
                         'the result of a frame')
 
-    def configuration_with_defaults(self):
-        """Wait until the update of `setUp` has arrived on the topic; return all parameters."""
-        def with_defaults():
-            configuration = self.client.get_configuration(timeout=DEADLINE_S * stretch())
-            return configuration if DEFAULTS.items() <= configuration.items() else None
-        return wait_for(with_defaults, 'the default values')
-
     @classmethod
     def areas(cls):
         """Return the logged lines with areas."""
@@ -120,20 +113,6 @@ class LiveTest(unittest.TestCase):
             lines = [self.send(picture(BLUE)) for _ in range(2)]
             self.assertEqual('blue={}, red=0, yellow=0'.format(area_px), lines[1])
             self.assertEqual(low, rospy.get_param(NODE + '/blue_hue_min'))
-
-    def test_refused_values_leave_the_old_ones_unchanged(self):
-        for values, text in (
-                ({'blue_saturation_min': 200, 'blue_saturation_max': 150},
-                 'blue_saturation_min: got 200, allowed is at most blue_saturation_max, which is '
-                 '150'),
-                ({'blue_linear_x': float('nan')}, 'blue_linear_x: got nan')):
-            before = self.configuration_with_defaults()
-            self.client.update_configuration(values)
-            wait_for(lambda: [msg for msg in self.logs.messages
-                              if text in msg.msg and msg.level == Log.ERROR], text)
-            self.assertEqual(before, self.client.get_configuration(
-                timeout=DEADLINE_S * stretch()))
-            self.assertEqual('blue=1600, red=0, yellow=0', self.send(picture(BLUE)))
 
     def test_a_third_color_has_a_command_and_an_image(self):
         image = picture(YELLOW, BLUE)

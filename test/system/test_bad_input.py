@@ -27,8 +27,6 @@ CASES = {
                 'give each another topic'),
     'colors': ('color_img_recog.py', ['_colors:=[green]'],
                '/color_extract/green_hue_min: got nothing', 'from 0 to 180'),
-    'a command': ('color_img_recog.py', ['_red_linear_x:=.nan'],
-                  '/color_extract/red_linear_x: got nan', 'finite'),
     'a limit': ('teleop_key.py', ['_max_linear_velocity:=fast'],
                 "max_linear_velocity: got 'fast'", 'a finite number'),
     'no topic': ('color_img_recog.py', ["_blue_image_topic:=a b"],

@@ -88,7 +88,8 @@ def tree(tmp_path_factory):
     for part in PARTS:
         path = os.path.join(ROOT, part)
         if os.path.isdir(path):
-            shutil.copytree(path, str(copy / part), ignore=shutil.ignore_patterns('__pycache__'))
+            # with what is compiled: its times are those of the files
+            shutil.copytree(path, str(copy / part))
         else:
             shutil.copy(path, str(copy / part))
     package = copy / 'src' / 'img_recog'

@@ -16,8 +16,7 @@ from websockets.asyncio.client import connect
 from websockets.exceptions import ConnectionClosed, InvalidStatus
 
 from img_recog_helpers import wire
-from img_recog_helpers.browser import Browser, need_chromium, status_of
-from img_recog_helpers.processes import Ros
+from img_recog_helpers.browser import Browser, demo_with_page, status_of
 from img_recog_helpers.service_calls import ServiceCalls
 from img_recog_helpers.simulator_tools import Echo
 from img_recog_helpers.waiting import DEADLINE_S, stretch, wait_for
@@ -45,19 +44,15 @@ IN_SIGHT = '''
 @pytest.fixture(scope='module')
 def demo(tmp_path_factory):
     """A demo with the page; its camera shows a blue card, which is too small for a command."""
-    need_chromium()
     folder = tmp_path_factory.mktemp('a page')      # a command with it has to be quoted
     image = np.full((240, 320, 3), (190, 200, 206), np.uint8)
     image[60:180, 80:240] = (215, 70, 25)
     assert cv2.imwrite(str(folder / 'card.png'), image)
     (folder / 'colors.yaml').write_text('blue_area_limit: 200000\nred_area_limit: 200000\n'
                                         'max_image_pixels: 9000000\n')
-    with Ros(folder) as ros:
-        ros.demo_process = ros.demo(
-            'world:=empty', 'web:=true', 'camera:={}/card.png'.format(folder),
-            'colors:={}/colors.yaml'.format(folder), 'x_pos:=0', 'y_pos:=0', 'framerate:=5',
-            cwd=str(folder), env=dict(ros.env, PWD=str(folder)))
-        ros.url = ros.demo_process.wait_output(r'the page: (http://\S+)').group(1)
+    with demo_with_page(folder, 'camera:={}/card.png'.format(folder),
+                        'colors:={}/colors.yaml'.format(folder), 'x_pos:=0', 'y_pos:=0',
+                        'framerate:=5') as ros:
         ros.origin, ros.token = ros.url.split('/?token=')
         ros.folder = folder
         ros.speeds = Echo(ros, '/odom/twist/twist/linear/x')
@@ -528,8 +523,8 @@ def test_a_second_page_gets_another_port(demo):
 
 def test_it_ends_quietly(demo):
     """The last test of this file."""
-    assert demo.demo_process.interrupt() == 0
-    assert 'Traceback' not in demo.demo_process.output
+    assert demo.process.interrupt() == 0
+    assert 'Traceback' not in demo.process.output
     assert demo.token not in ''.join(
         path.read_text(errors='replace') for path in (demo.folder / 'ros').rglob('*.log'))
     assert not os.path.exists(str(demo.folder / 'core'))

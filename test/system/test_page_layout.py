@@ -4,9 +4,8 @@ import os
 
 import pytest
 
-from img_recog_helpers.browser import Browser, need_chromium
+from img_recog_helpers.browser import Browser, demo_with_page
 from img_recog_helpers.pages import ROOT
-from img_recog_helpers.processes import Ros
 from img_recog_helpers.waiting import wait_for
 
 TABS = ('live', 'colors', 'graph', 'nodes', 'log')
@@ -26,16 +25,6 @@ LABELS = CHART + '''return chart.getModel().getComponent("yAxis").axis.getViewLa
 
 
 @contextlib.contextmanager
-def demo(folder, *words):
-    """Run a demo with the page; yield its address."""
-    need_chromium()
-    with Ros(folder) as ros:
-        process = ros.demo('web:=true', 'teleop:=false', *words, cwd=str(folder),
-                           env=dict(ros.env, PWD=str(folder)))
-        yield process.wait_output(r'the page: (http://\S+)').group(1)
-
-
-@contextlib.contextmanager
 def browser(folder, url, **options):
     """Open the page in a browser; yield it."""
     with contextlib.closing(Browser(folder, **options)) as page:
@@ -46,10 +35,10 @@ def browser(folder, url, **options):
 @pytest.fixture(scope='module')
 def follower(tmp_path_factory):
     """The address of the page of a demo with eight rules; a small camera is faster."""
-    with demo(tmp_path_factory.mktemp('follower'), 'camera:=robot', 'world:=color_posts',
-              'image_width:=160', 'image_height:=120',
-              'colors:=' + os.path.join(ROOT, 'config', 'follow.yaml')) as url:
-        yield url
+    with demo_with_page(tmp_path_factory.mktemp('follower'), 'camera:=robot', 'teleop:=false',
+                        'world:=color_posts', 'image_width:=160', 'image_height:=120',
+                        'colors:=' + os.path.join(ROOT, 'config', 'follow.yaml')) as ros:
+        yield ros.url
 
 
 @pytest.fixture(scope='module')
@@ -114,12 +103,12 @@ def test_the_labels_of_the_map_are_beside_the_walls(desk):
 
 def test_without_recognition_nothing_waits_for_it(tmp_path):
     (tmp_path / 'demo').mkdir()
-    with demo(tmp_path / 'demo', 'vision:=false', 'world:=empty') as url:
-        with browser(tmp_path / 'browser', url) as page:
-            wait_for(lambda: 'Simulator' in page.js(TITLES), lambda: page.js(TITLES))
-            titles = page.js(TITLES)
-            assert not [title for title in titles if 'recognized' in title or 'Areas' in title]
-            assert {'Map', 'Speed (m/s)', 'Drive', 'Simulation'} <= set(titles)
-            shown = 'return document.querySelector(".board").innerText'
-            assert 'the colors command' not in page.js(shown)
-            wait_for(lambda: 'no image yet' not in page.js(shown), 'the pictures that there are')
+    with demo_with_page(tmp_path / 'demo', 'vision:=false') as ros, browser(
+            tmp_path / 'browser', ros.url) as page:
+        wait_for(lambda: 'Simulator' in page.js(TITLES), lambda: page.js(TITLES))
+        titles = page.js(TITLES)
+        assert not [title for title in titles if 'recognized' in title or 'Areas' in title]
+        assert {'Map', 'Speed (m/s)', 'Drive', 'Simulation'} <= set(titles)
+        shown = 'return document.querySelector(".board").innerText'
+        assert 'the colors command' not in page.js(shown)
+        wait_for(lambda: 'no image yet' not in page.js(shown), 'the pictures that there are')

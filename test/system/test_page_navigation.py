@@ -5,8 +5,7 @@ import sys
 import pytest
 from selenium.webdriver.common.action_chains import ActionChains
 
-from img_recog_helpers.browser import Browser, need_chromium
-from img_recog_helpers.processes import Ros
+from img_recog_helpers.browser import Browser, demo_with_page
 from img_recog_helpers.waiting import wait_for
 
 # a room of 4 x 6 m around the robot, whose odometry is turned to the left in it; says what it gets
@@ -68,10 +67,8 @@ OFFSET = '''
 @pytest.fixture(scope='module')
 def demo(tmp_path_factory):
     """A demo with the page, and a robot at the origin of its odometry."""
-    need_chromium()
-    with Ros(tmp_path_factory.mktemp('page')) as ros:
-        process = ros.demo('world:=empty', 'web:=true', 'vision:=false', 'x_pos:=0', 'y_pos:=0')
-        ros.url = process.wait_output(r'the page: (http://\S+)').group(1)
+    with demo_with_page(tmp_path_factory.mktemp('page'), 'vision:=false', 'x_pos:=0',
+                        'y_pos:=0') as ros:
         yield ros
 
 

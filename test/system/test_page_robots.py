@@ -5,7 +5,7 @@ import cv2
 import numpy as np
 import pytest
 
-from img_recog_helpers.browser import Browser, need_chromium
+from img_recog_helpers.browser import Browser, demo_with_page
 from img_recog_helpers.simulator_tools import Echo
 from img_recog_helpers.waiting import wait_for
 
@@ -16,15 +16,18 @@ LIST = '''
 
 
 @pytest.fixture
-def page(ros, tmp_path):
-    """A page of two robots; the camera of the first one shows a grey wall."""
-    need_chromium()
+def ros(tmp_path):
+    """A demo of two robots; the camera of the first one shows a grey wall."""
     assert cv2.imwrite(str(tmp_path / 'card.png'), np.full((120, 160, 3), 150, np.uint8))
     (tmp_path / 'robots.yaml').write_text(LIST)
-    demo = ros.demo('robots:={}/robots.yaml'.format(tmp_path), 'world:=empty', 'web:=true')
-    url = demo.wait_output(r'the page: (http://\S+)').group(1)
+    with demo_with_page(tmp_path, 'robots:={}/robots.yaml'.format(tmp_path)) as ros:
+        yield ros
+
+
+@pytest.fixture
+def page(ros, tmp_path):
     browser = Browser(tmp_path / 'browser')
-    browser.open(url)
+    browser.open(ros.url)
     yield browser
     browser.close()
 

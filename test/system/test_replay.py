@@ -158,19 +158,16 @@ def test_interrupted_replay_leaves_no_files(ros, tmp_path):
 CASES = {
     'missing': (['no.mp4'], 'cannot read no.mp4: no such file',
                 'give a video that FFmpeg plays, a folder of images, or a bag with images'),
-    'text as bag': (['text.bag'], 'cannot read text.bag as a bag', 'give a video'),
     'topic of a video': ([VIDEO, '--topic', '/eye'], VIDEO,
                          '--topic is for a bag, and it is not a bag'),
     'colors': ([VIDEO, '--colors', 'text.txt'], 'parameters in text.txt', 'blue_hue_min'),
-    'robot': ([VIDEO, '--urdf', 'text.txt'], 'the robot in text.txt: not XML', 'check'),
     'output': ([VIDEO, '--output', 'no/such'], 'cannot write no/such.bag', 'set --output'),
 }
 
 
 @pytest.mark.parametrize('arguments, named, advice', list(CASES.values()), ids=list(CASES))
 def test_bad_input(replay, tmp_path, arguments, named, advice):
-    for name in ('text.txt', 'text.bag'):
-        (tmp_path / name).write_text('hello\n')
+    (tmp_path / 'text.txt').write_text('hello\n')
     before = sorted(os.listdir(str(tmp_path)))
     line = refused(replay(*arguments))
     assert named in line and advice in line, line

@@ -14,6 +14,7 @@ import pytest
 from img_recog_helpers import process_table
 from img_recog_helpers.pages import ROOT
 from img_recog_helpers.process_table import end_all, marked, ports
+from img_recog_helpers.processes import SMALL_CAMERA
 from img_recog_helpers.waiting import wait_for
 
 END_S = 10.0
@@ -48,7 +49,7 @@ def run_demo(ros):
     (signal.SIGHUP, 'roslaunch')])
 def test_signal_at_any_moment_ends_everything(run_demo, moment, signum):
     """moment: when this program runs."""
-    demo = run_demo('camera:=synthetic')
+    demo = run_demo(*SMALL_CAMERA)
     wait_for(lambda: any(moment in line for line in marked(run_demo.mark).values()),
              lambda: '{} in:\n{}'.format(moment, demo.output))
     send = os.killpg if signum == signal.SIGINT else os.kill       # a terminal sends it to all
@@ -66,7 +67,7 @@ def test_ctrl_c_is_not_lost_in_a_program_that_ends_normally(run_demo, tmp_path):
                        'sleep 1000 >/dev/null 2>&1 & wait\n'.format(is_started))
     program.chmod(0o755)
     run_demo.env['PATH'] = '{}:{}'.format(program.parent, run_demo.env['PATH'])
-    demo = run_demo('camera:=synthetic')
+    demo = run_demo(*SMALL_CAMERA)
     wait_for(is_started.exists, 'the program')
     os.killpg(demo.pid, signal.SIGINT)
     assert demo.wait() == -signal.SIGINT
@@ -100,7 +101,7 @@ def test_ctrl_c_while_nodes_are_started_is_no_error(run_demo, tmp_path):
                        'echo "process[master]: started with pid [1]"\nsleep 1000 & wait\n')
     program.chmod(0o755)
     run_demo.env['PATH'] = '{}:{}'.format(program.parent, run_demo.env['PATH'])
-    demo = run_demo('camera:=synthetic')
+    demo = run_demo(*SMALL_CAMERA)
     demo.wait_output(r'process\[master.*started')
     assert interrupt(demo) == 0
 
@@ -129,8 +130,7 @@ def test_output_that_nobody_reads_does_not_keep_it_from_ending(run_demo, blockin
     os.set_blocking(writer, blocking)
     try:
         demo = subprocess.Popen(
-            [os.path.join(ROOT, 'run'), 'demo', 'camera:=synthetic', 'web:=false'],
-            env=run_demo.env,
+            [os.path.join(ROOT, 'run'), 'demo', *SMALL_CAMERA, 'web:=false'], env=run_demo.env,
             stdin=subprocess.DEVNULL, stdout=writer, stderr=writer, start_new_session=True)
         wait_for(lambda: not select.select([], [writer], [], 0)[1], 'a full pipe')
         wait_for(lambda: any('pybullet_sim' in line for line in marked(run_demo.mark).values()),
@@ -159,7 +159,7 @@ def interrupt(demo):
 
 def test_a_running_demo_is_closed_to_other_machines_and_ends_cleanly(run_demo, ros):
     run_demo.env.update(PATIENT)
-    demo = run_demo('camera:=synthetic')
+    demo = run_demo(*SMALL_CAMERA)
     demo.wait_output('the robot drives forward')
     # roscpp opens its XML-RPC port on all addresses, see doc/security.md
     known = {('tcp', xml_rpc_port(ros, name)) for name in ('/rosout', '/robot_state_publisher')}
@@ -223,7 +223,7 @@ def test_a_given_master_of_another_demo_is_refused(run_demo, ros, namespace):
     run_demo.env['ROS_NAMESPACE'] = namespace
     first = run_demo(*SMALL)
     first.wait_output('the robot is at the start')
-    second = run_demo('camera:=synthetic')
+    second = run_demo(*SMALL_CAMERA)
     assert second.wait() == 1
     assert last_line(second).startswith(
         '[run] the master {} has {}gazebo of another demo, which this one would end; stop '.format(
@@ -259,7 +259,7 @@ def test_camera_that_cannot_start_is_reported_and_the_other_nodes_continue(
 
 
 def test_a_killed_node_is_reported(run_demo):
-    demo = run_demo('camera:=synthetic', 'recognition:=false', 'teleop:=false', 'respawn:=false')
+    demo = run_demo(*SMALL_CAMERA, 'recognition:=false', 'teleop:=false', 'respawn:=false')
     demo.wait_output('camera: synthetic scene')
     os.kill(node(demo, 'usb_cam'), signal.SIGKILL)
     demo.wait_output(r'\[run\] the camera \(usb_cam\) has ended: killed by SIGKILL; the other')
@@ -267,7 +267,7 @@ def test_a_killed_node_is_reported(run_demo):
 
 def test_nodes_that_were_killed_come_back_and_are_not_reported_at_the_end(run_demo):
     run_demo.env.update(PATIENT)
-    demo = run_demo('camera:=synthetic')
+    demo = run_demo(*SMALL_CAMERA)
     demo.wait_output('the robot drives forward')
     # the process that roslaunch knows, and the node below it
     os.kill(node(demo, 'color_extract'), signal.SIGKILL)

@@ -51,7 +51,8 @@ def wait_shares(ros, display, tmp_path):
 
 
 def test_image_view_shows_the_blue_part(ros, wait_shares):
-    demo = ros.demo('simulator:=false', 'gui:=false', 'image_view:=false')
+    demo = ros.demo('simulator:=false', 'gui:=false', 'image_view:=false', 'image_width:=640',
+                    'image_height:=480')
     demo.wait_output('camera: synthetic')
     ros.start('rosrun', 'image_view', 'image_view', 'image:=/blue_image')
     wait_shares({'blue': ((0, 40, 180), (60, 100, 255)), 'red': ((180, 0, 30), (255, 60, 90))},
