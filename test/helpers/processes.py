@@ -15,7 +15,7 @@ import xmlrpc.client
 from roslib.packages import find_node
 
 from img_recog_helpers import wire
-from img_recog_helpers.waiting import stretch, wait_for
+from img_recog_helpers.waiting import DEADLINE_S, stretch, wait_for
 
 
 _END_S = 20.0               # until a program that is interrupted is killed
@@ -172,8 +172,13 @@ class Ros:
 
     def demo(self, *arguments, **popen):
         """Start the demo, by default with a small synthetic camera and without the page."""
-        return self.start('roslaunch', '-p', self.port, 'img_recog', 'demo.launch', *SMALL_CAMERA,
-                          'web:=false', *arguments, **popen)
+        return self.launch('img_recog', 'demo.launch', *SMALL_CAMERA, 'web:=false', *arguments,
+                           **popen)
+
+    def launch(self, *words, **popen):
+        """Start roslaunch, which kills no node that ends later because the machine is busy."""
+        return self.start('roslaunch', '-p', self.port, '--sigint-timeout={}'.format(DEADLINE_S),
+                          *words, **popen)
 
     def run(self, *command):
         """Run a program until it ends; return its output."""
