@@ -61,8 +61,20 @@ def centroid(image):
     return (share * columns).sum() / share.sum(), (share * rows).sum() / share.sum()
 
 
-def sky_color(height):
-    """Return the color (..., 3) of the sky in a direction, a unit vector with a z of `height`."""
-    share = (1 - np.clip(height, 0, 1)[..., np.newaxis]) ** 1.5
-    return 255 * (np.array([0.267, 0.318, 0.537]) * (1 - share)
-                  + np.array([0.725, 0.769, 0.894]) * share)
+def sky_color(way, background=(255, 255, 255)):
+    """Return the colors (..., 3) of the sky in directions, unit vectors (..., 3)."""
+    way = np.asarray(way)
+    low, cosine = np.minimum(1 - way[..., 2:], 1.23), way @ (0.0, 0.6198, 0.7847)
+    square = cosine[..., np.newaxis] ** 2
+    light = (1.9801 - 1.98 * cosine[..., np.newaxis]) ** -1.5 * (1 + square) * (
+        0.000122, 0.000119, 0.000102)
+    for power, color in ((0, (0.235, 0.291, 0.606)), (1, (0.367, 0.428, 0.721)),
+                         (4, (0.978, 1.22, 2.4)), (8, (-0.258, -0.462, -2.118)),
+                         (16, (-0.069, -0.065, 0.175))):
+        light = light + low ** power * color
+    for power, color in ((0, (0.103, 0.122, 0.232)), (1, (0.261, 0.333, 0.727)),
+                         (4, (0.252, 0.228, -0.206))):
+        light = light + square * low ** power * color
+    faded = np.clip((low - 1.13) * 10.1, 0, 1)
+    faded *= 0.55 + 0.45 * faded
+    return 255 * (1 - np.exp(-light)) * (1 - faded) + np.array(background) * faded

@@ -5,15 +5,15 @@ import numpy as np
 
 from img_recog.errors import SimulationError
 from img_recog.files import FindFile
-from img_recog.formats import generated_meshes, materials
+from img_recog.formats import gazebo_materials, generated_meshes, materials
 from img_recog.formats.numbers import read_lengths
 from img_recog.formats.problems import Problems
 from img_recog.formats.texts import name_of
-from img_recog.model import MESH, Link, Look, Material, Model, Shape, Tree
+from img_recog.model import MESH, Link, Look, Model, Shape, Tree
 from img_recog.rotations import IDENTITY
 
 _ABOVE_M = 0.005        # so that the floor is not seen in it
-_ASPHALT = Material((0.3, 0.3, 0.3, 1.0))
+_ASPHALT = gazebo_materials.named('Gazebo/Road')
 
 
 def tree(road: ElementTree.Element, find: FindFile, problems: Problems) -> Tree:

@@ -1,4 +1,6 @@
 """The floor: that of Gazebo's ground_plane."""
+import math
+
 import moderngl
 import numpy as np
 
@@ -31,3 +33,13 @@ class Floor:
     def draw_depths(self) -> None:
         """Draw its depths."""
         self._depth.render()
+
+
+def lowest_edge(eye: np.ndarray, far: float) -> float:
+    """Return the sine of the angle below the horizon at which it ends in all directions.
+
+    eye (3,): from where it is seen, at most so far; 1 where it is not seen from above.
+    """
+    x, y, height = eye
+    reach = min(_HALF_SIZE_M - max(abs(x), abs(y)), far)
+    return height / math.hypot(height, reach) if height > 0 and reach > 0 else 1.0

@@ -10,6 +10,7 @@ from img_recog.model import VisualScene
 from img_recog.rendering import coverage, matrices, shaders
 from img_recog.rendering.batches import Batch, Loader
 from img_recog.rendering.camera import Pinhole
+from img_recog.rendering.floor import lowest_edge
 from img_recog.rendering.sky import Sky
 from img_recog.rendering.target import Target
 
@@ -71,7 +72,7 @@ class Renderer:
         target.pixels.use()
         target.pixels.clear(*self._surroundings.background, 1.0)
         self._set_frame(to_clip, camera_pose[:3, 3], ceiling, models)
-        self._draw_background(camera, view)
+        self._draw_background(camera, camera_pose[:3, 3], view)
         if is_seen.any():
             target.begin(coverage.runs(rectangles[is_seen], camera.width, camera.height))
             if ceiling < math.inf:
@@ -140,11 +141,12 @@ class Renderer:
                 program['eye'].value = tuple(eye)
         self._loaded.lighting.write(self._loaded.programs, models)
 
-    def _draw_background(self, camera: Pinhole, view: np.ndarray) -> None:
+    def _draw_background(self, camera: Pinhole, eye: np.ndarray, view: np.ndarray) -> None:
         """Draw sky and floor, with one sample a pixel: all of their edges are horizontal."""
         self._context.enable_only(moderngl.NOTHING)
         if self._surroundings.has_sky:
-            self._sky.draw(camera, view)
+            self._sky.draw(camera, view, self._surroundings.background,
+                           lowest_edge(eye, camera.far) if self._has_floor else 1.0)
         if self._has_floor:
             self._loaded.floor.draw()
 

@@ -50,28 +50,40 @@ void main() {
 }
 '''
 
-# Clipped below the horizon.
 SKY_VERTEX = '''
 #version 330
 uniform mat4 to_ray;
+uniform float lowest;
 in vec2 corner;
 noperspective out vec3 ray;
 void main() {
     ray = (to_ray * vec4(corner, -1.0, 0.0)).xyz;
-    gl_ClipDistance[0] = ray.z;
+    gl_ClipDistance[0] = ray.z + lowest * length(ray);
     gl_Position = vec4(corner, 1.0, 1.0);
 }
 '''
 
-# the colors of Gazebo's sky at its default time, 10 o'clock, within 12 of 255
+# The colors of Gazebo's sky at its default time, 10 o'clock, within 8 of 255: how much light comes
+# from a direction, by its height and the angle to the sun, and what is left of that in an image.
 SKY_FRAGMENT = '''
 #version 330
 noperspective in vec3 ray;
+uniform vec3 background;
 out vec4 color;
+const vec3 sun = vec3(0.0, 0.6198, 0.7847);
 void main() {
-    float height = clamp(ray.z * inversesqrt(dot(ray, ray)), 0.0, 1.0);
-    color = vec4(mix(vec3(0.267, 0.318, 0.537), vec3(0.725, 0.769, 0.894),
-                     pow(1.0 - height, 1.5)), 1.0);
+    vec3 way = ray * inversesqrt(dot(ray, ray));
+    float low = min(1.0 - way.z, 1.23), low4 = low * low * low * low, low8 = low4 * low4;
+    float cosine = dot(way, sun), square = cosine * cosine;
+    float glow = inversesqrt(1.9801 - 1.98 * cosine);
+    vec3 light = vec3(0.235, 0.291, 0.606) + low * vec3(0.367, 0.428, 0.721)
+        + low4 * vec3(0.978, 1.22, 2.4) - low8 * vec3(0.258, 0.462, 2.118)
+        + low8 * low8 * vec3(-0.069, -0.065, 0.175)
+        + square * (vec3(0.103, 0.122, 0.232) + low * vec3(0.261, 0.333, 0.727)
+                    + low4 * vec3(0.252, 0.228, -0.206))
+        + glow * glow * glow * (1.0 + square) * vec3(0.000122, 0.000119, 0.000102);
+    float below = clamp((low - 1.13) * 10.1, 0.0, 1.0);
+    color = vec4(mix(1.0 - exp(-light), background, below * (0.55 + 0.45 * below)), 1.0);
 }
 '''
 

@@ -159,8 +159,8 @@ def test_sky_and_floor_join_in_all_faces(name):
         rotations.from_rpy((0.3, 0.4, 0.5)))]]))[0]
     image = lens_views.draw(renderer, camera, pose, HERE)
     right, down, ahead = np.moveaxis(directions(camera), -1, 0)
-    height = np.stack([ahead, -right, -down], axis=-1) @ pose[2, :3]
-    expected = sky_color(height)
+    ways = np.stack([ahead, -right, -down], axis=-1) @ pose[:3, :3].T
+    height, expected = ways[..., 2], sky_color(ways)
     above, below = height > 0.02, height < -0.15
     assert np.abs(image[above] - expected[above]).max() < 4
     assert np.ptp(image[below], axis=1).max() <= 1      # grey, unlike the sky

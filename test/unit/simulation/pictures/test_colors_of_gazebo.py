@@ -4,6 +4,7 @@ import math
 import numpy as np
 import pytest
 
+from img_recog import rotations
 from img_recog.rendering.camera import Camera
 from img_recog.rendering.opengl import Renderer
 from img_recog.simulation.pictures import visual_scene
@@ -180,16 +181,29 @@ def test_fog_is_that_of_the_corners(seen, fog, near, far, ground):
     assert_close(found, [near, far, ground])
 
 
-def test_background_and_sky(seen):
-    # at heights of 1.8, 7.7 and 15 degrees, and straight above
+def test_background(seen):
     heights = [(1.0, 0.0, math.tan(angle)) for angle in (0.032, 0.134, 0.265)]
     assert_close(seen(SUN, np.eye(4), heights), [178] * 3)
     assert_close(seen('<scene><background>0 0 1 1</background></scene>', np.eye(4), heights),
                  [[0, 0, 255]] * 3)
-    sky = '<scene><sky><time>10</time></sky></scene>'
-    found = seen(sky, np.eye(4), heights)
-    expected = np.array([[179, 191, 216], [162, 177, 217], [138, 155, 207]])
-    assert np.abs(found - expected).max() <= 12
-    up = at(0, 0, 0)
-    up[:3, :3] = [[0, 0, -1], [0, 1, 0], [1, 0, 0]]
-    assert_close(seen(sky, up, [(0, 0, 5)]), [[68, 81, 137]])
+
+
+# heading and height in degrees of a camera and of what it sees; the sun is at 90 and 51.7
+@pytest.mark.parametrize('camera, sky', [
+    ((0, 10), {(0, 2): (178, 190, 216), (0, 8): (161, 176, 217), (0, 15): (139, 155, 207)}),
+    ((90, 10), {(90, 3): (194, 206, 230), (90, 20): (150, 167, 219)}),
+    ((90, 50), {(90, 51.7): (255, 255, 255), (90, 40): (116, 132, 191),
+                (80, 51.7): (123, 136, 186)}),
+    ((270, 20), {(270, 5): (184, 197, 227), (270, 30): (99, 114, 173)}),
+    ((300, 45), {(300, 45): (76, 89, 146)}),
+    ((270, -10), {(270, 0.2): (198, 207, 224), (270, -5): (200, 205, 202),
+                  (270, -9.15): (187, 187, 173), (270, -14): (178, 178, 178)}),
+    ((0, 85), {(0, 89): (68, 81, 137)})])
+def test_sky(camera, sky, seen):
+    pose = np.eye(4)
+    yaw, height = np.radians(camera)
+    pose[:3, :3] = rotations.from_rpy((0, -height, yaw))
+    points = [rotations.from_rpy((0, -math.radians(up), math.radians(left)))[:, 0]
+              for left, up in sky]
+    assert_close(seen('<scene><sky><time>10</time></sky></scene>', pose, points),
+                 list(sky.values()))
