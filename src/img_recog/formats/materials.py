@@ -85,5 +85,8 @@ def _scripted(visual: ElementTree.Element, find: FindFile) -> Tuple[Optional[Mat
     script = visual.find('material/script')
     if script is None:
         return None, ''
-    return of_script((script.findtext('name') or script.text or '').strip(),
+    name, text = text_of(script, 'name'), (script.text or '').strip()
+    if text and not name:       # Gazebo 11 does not look at it
+        return None, 'material {} (its <script> has no <name>)'.format(text)
+    return of_script(name,
                      [uri.text.strip() for uri in script.findall('uri') if uri.text], find)

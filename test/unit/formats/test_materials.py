@@ -59,7 +59,6 @@ def folder(tmp_path):
     ('<material><diffuse>0.1 0.2 0.3 0.4</diffuse></material>', (0.1, 0.2, 0.3, 0.4)),
     ('<material><ambient>0.1 0.2 0.3</ambient></material>', (1, 1, 1, 1)),
     ('<material><ambient>1 1 1 1</ambient><diffuse>0 0 1 1</diffuse></material>', (0, 0, 1, 1)),
-    ('<material><script>Gazebo/Red</script></material>', (1, 0, 0, 1)),
     (script('Gazebo/Blue'), (0, 0, 1, 1)), (script('Gazebo/GreyTransparent'), (.5, .5, .5, .5))])
 def test_colors(inside, color):
     material, missing = read(inside)
@@ -134,6 +133,11 @@ def test_a_script_and_its_texture(folder, uris):
     for name in ('commented', 'cours', 'Gazebo/NoSuchColor'):
         material, missing = read(script(name, *uris), find)
         assert (material, missing) == (None, 'material ' + name)
+
+
+def test_the_text_of_a_script_is_no_name():     # as in Gazebo 11
+    assert read('<material><script>Gazebo/Red</script></material>') == (
+        None, 'material Gazebo/Red (its <script> has no <name>)')
 
 
 @pytest.mark.parametrize('inside, words', [
