@@ -118,8 +118,7 @@ def test_a_road_is_drawn_just_above_the_floor_and_carries_nothing(read):
     sides = part.positions[:, 1:] - part.positions[:, :1]
     heights = np.cross(sides[:, 0], sides[:, 1])[:, 2]
     assert heights.min() > 0 and heights.sum() / 2 == pytest.approx(20)     # seen from above
-    assert look.material.color == pytest.approx((0.33, 0.329, 0.323, 1),
-                                                abs=1e-3)
+    assert look.material.color == pytest.approx((0.33, 0.329, 0.323, 1), abs=1e-3)
 
 
 def test_a_road_of_one_point_is_named(read):
