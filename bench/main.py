@@ -1,6 +1,6 @@
 """Run the benchmarks of ./run bench; print tables, and write JSON to the given file.
 
-usage: main.py FILE [NAME ...], by default all benchmarks. Ratios are in brackets: ours to it.
+Ratios are in brackets: ours to it.
 """
 import importlib
 import json
@@ -9,25 +9,29 @@ import sys
 import pairs
 from tqdm import tqdm
 
+from img_recog.command_line import programs
+
 NAMES = ('start', 'simulator', 'drawing', 'demo', 'camera', 'recognition', 'transport', 'page',
          'fleet', 'lockstep')
 
 
 def main() -> int:
     """Run the benchmarks; return the exit code."""
-    names = sys.argv[2:] or NAMES
-    unknown = sorted(set(names) - set(NAMES))
+    parser = programs.parser('main.py', 'Run benchmarks, by default all.')
+    parser.add_argument('file', metavar='FILE', help='of the numbers, JSON')
+    parser.add_argument('names', metavar='NAME', nargs='*', help=', '.join(NAMES))
+    given = parser.parse_args()
+    unknown = sorted(set(given.names) - set(NAMES))
     if unknown:
-        sys.stderr.write('no benchmark {}; there are {}\n'.format(
+        parser.error('no benchmark {}; there are {}'.format(
             ', '.join(unknown), ', '.join(NAMES)))
-        return 2
-    chosen = {name: importlib.import_module(name).benchmark() for name in names}
+    chosen = {name: importlib.import_module(name).benchmark() for name in given.names or NAMES}
     results = {}
     with tqdm(total=sum(each.rounds * len(each.groups) for each in chosen.values()),
               desc='measuring', file=sys.stderr) as bar:
         for name, benchmark in chosen.items():
             results[name] = pairs.measure(benchmark, bar.update)
-    with open(sys.argv[1], 'w') as file:
+    with open(given.file, 'w') as file:
         json.dump(results, file, indent=2)
     for name, benchmark in chosen.items():
         sys.stdout.write('\n' + pairs.table(benchmark, results[name]) + '\n')

@@ -1,27 +1,27 @@
 #!/usr/bin/env python3
 """Start a program of another package that opens a window, or say how to install it.
 
-usage: optional_window.py PACKAGE PROGRAM [ARGUMENT ...]
-
 roslaunch ends with an error for a node whose package is missing; the demo goes on without a window
 that is not needed.
 """
+import argparse
 import os
 import subprocess
 import sys
 
+from img_recog.command_line import programs
 
-def main(arguments):
+
+def main():
     """Replace this process by the program; return the exit code if that cannot be."""
-    if arguments[:1] in (['-h'], ['--help']):
-        sys.stdout.write(__doc__)
-        return 0
-    if len(arguments) < 2:
-        sys.stderr.write('optional_window.py: expected PACKAGE PROGRAM [ARGUMENT ...]\n')
-        return 2
-    package, program = arguments[:2]
+    parser = programs.parser('optional_window.py', __doc__)
+    parser.add_argument('package', metavar='PACKAGE')
+    parser.add_argument('program', metavar='PROGRAM')
+    parser.add_argument('arguments', metavar='ARGUMENT', nargs=argparse.REMAINDER)
+    given = parser.parse_args()
+    package, arguments = given.package, given.arguments
     name = next((word.partition(':=')[2] for word in arguments if word.startswith('__name:=')),
-                program)
+                given.program)
     found = subprocess.run(['rospack', 'find', package], stdout=subprocess.DEVNULL,
                            stderr=subprocess.DEVNULL, check=False).returncode == 0
     if not found:
@@ -30,7 +30,7 @@ def main(arguments):
                                             package.replace('_', '-')))
     if not os.environ.get('DISPLAY'):
         return _skip(name, 'there is no display: set DISPLAY, or look at the page (web:=true)')
-    os.execvp('rosrun', ['rosrun', *arguments])
+    os.execvp('rosrun', ['rosrun', package, given.program, *arguments])
 
 
 def _skip(name, reason):
@@ -39,4 +39,4 @@ def _skip(name, reason):
 
 
 if __name__ == '__main__':
-    sys.exit(main(sys.argv[1:]))
+    sys.exit(main())

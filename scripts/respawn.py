@@ -1,8 +1,6 @@
 #!/usr/bin/env python3
 """Start a node again when it dies, but not when it ends because of what the user gave.
 
-usage: respawn.py [--required] NODE [ARGUMENT ...]
-
 The launch-prefix of the nodes in the launch files, which also have respawn="true": roslaunch
 starts this program again if it is killed itself. The node is a child process that ends with it.
 roslaunch's respawn alone would start a node that refuses its input again and again, and roslaunch
@@ -14,14 +12,15 @@ After any other exit code it is not: the reason is printed, and with --required,
 interrupted. Else this program waits for roslaunch to end it, because roslaunch would start it
 again whatever its exit code is.
 """
-import ctypes
+import argparse
 import os
-import re
 import signal
 import sys
 import time
 
-_SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
+from img_recog.command_line import programs
+from img_recog.processes import launch_output, process_tree, signals
+
 # those of img_recog.ros.lifecycle, which this program does not import: it must start fast, and
 # also when a package is missing
 _STARTED_AGAIN = {70: 'unexpected exception', 75: 'no master answers',
@@ -33,8 +32,6 @@ _POLL_PERIOD_S = 0.1
 _PARENT_PERIOD_S = 1.0
 # roslaunch that is interrupted while it starts nodes may wait for its own locks
 _MIN_AGE_TO_INTERRUPT_S = 2.0
-_PR_SET_PDEATHSIG = 1
-_ERROR = re.compile(r'^\[rosout\]\[(?:CRITICAL|ERROR)\] \S+ \S+ (.*)')
 
 
 class Respawner:
@@ -43,7 +40,6 @@ class Respawner:
     def __init__(self, command, required):
         self._command, self._required = command, required
         self._name = _value('__name:=', command) or os.path.basename(command[0])
-        self._libc = ctypes.CDLL(None)
         self._began_s = time.monotonic()
         self._parent = os.getppid()
         self._child = 0
@@ -51,10 +47,7 @@ class Respawner:
 
     def run(self):
         """Return the exit code after a signal to this process, once the command has ended."""
-        for signum in _SIGNALS:
-            # nohup ignores this one; scripts ignore SIGINT for what they start in the background
-            if signum != signal.SIGHUP or signal.getsignal(signum) != signal.SIG_IGN:
-                signal.signal(signum, self._forward)
+        signals.handle(self._forward)
         delay_s = 0.0
         while True:
             started_s = time.monotonic()
@@ -67,7 +60,7 @@ class Respawner:
                 self._give_up(status)
                 return status
             self._say('{}, started again{}'.format(
-                _STARTED_AGAIN.get(status) or _killed_by(-status),
+                _STARTED_AGAIN.get(status) or launch_output.described(status),
                 ' in {:g} s'.format(delay_s) if delay_s else ''))
             self._wait(delay_s)
             if self._signum:
@@ -77,7 +70,7 @@ class Respawner:
     def _run_once(self):
         """Run the command; return its exit code, or the negative number of its signal."""
         # no signal may come between fork and the assignment
-        signal.pthread_sigmask(signal.SIG_BLOCK, _SIGNALS)
+        signal.pthread_sigmask(signal.SIG_BLOCK, signals.ENDING)
         if self._signum:
             return 0
         own = os.getpid()
@@ -89,7 +82,7 @@ class Respawner:
             os.setpgid(pid, pid)
         except OSError:         # the child has done that itself
             pass
-        signal.pthread_sigmask(signal.SIG_UNBLOCK, _SIGNALS)
+        signal.pthread_sigmask(signal.SIG_UNBLOCK, signals.ENDING)
         _, status = os.waitpid(pid, 0)
         self._child = 0
         return -os.WTERMSIG(status) if os.WIFSIGNALED(status) else os.WEXITSTATUS(status)
@@ -98,13 +91,11 @@ class Respawner:
         try:
             # its own group: roslaunch signals the whole group, and the node gets a signal once
             os.setpgid(0, 0)
-            self._libc.prctl(_PR_SET_PDEATHSIG, signal.SIGKILL)
+            process_tree.end_with_parent(signal.SIGKILL)
             if os.getppid() != parent:          # it was killed before
                 os._exit(1)
-            for signum in _SIGNALS:
-                if signal.getsignal(signum) != signal.SIG_IGN:
-                    signal.signal(signum, signal.SIG_DFL)
-            signal.pthread_sigmask(signal.SIG_UNBLOCK, _SIGNALS)
+            signals.handle(signal.SIG_DFL)
+            signal.pthread_sigmask(signal.SIG_UNBLOCK, signals.ENDING)
             os.environ['IMG_RECOG_RESPAWN'] = '1'
             os.execvp(self._command[0], self._command)
         except OSError as error:
@@ -121,8 +112,9 @@ class Respawner:
                 pass
 
     def _give_up(self, code):
-        reason = (_FINISHED.get(code) or _last_error(_value('__log:=', self._command))
-                  or 'exit code {}'.format(code))
+        reason = (_FINISHED.get(code)
+                  or launch_output.last_error(_value('__log:=', self._command))
+                  or launch_output.described(code))
         if self._required:
             self._say('ended, and the demo with it: {}'.format(reason))
             self._wait(self._began_s + _MIN_AGE_TO_INTERRUPT_S - time.monotonic())
@@ -130,10 +122,10 @@ class Respawner:
                 os.kill(self._parent, signal.SIGINT)
         else:
             self._say('ended and is not started again: {}'.format(reason))
-        signal.pthread_sigmask(signal.SIG_BLOCK, _SIGNALS)
+        signal.pthread_sigmask(signal.SIG_BLOCK, signals.ENDING)
         # without roslaunch, nothing would ever end this program
         while not self._signum and os.getppid() == self._parent:
-            if signal.sigtimedwait(_SIGNALS, _PARENT_PERIOD_S) is not None:
+            if signal.sigtimedwait(signals.ENDING, _PARENT_PERIOD_S) is not None:
                 break
 
     def _wait(self, delay_s):
@@ -150,33 +142,17 @@ def _value(prefix, words):
     return next((word[len(prefix):] for word in words if word.startswith(prefix)), '')
 
 
-def _killed_by(signum):
-    names = {each.value: each.name for each in signal.Signals}
-    return 'killed by {}'.format(names.get(signum, 'signal {}'.format(signum)))
-
-
-def _last_error(path):
-    """Return the last message at ERROR or above in the log file of a node, or ''."""
-    try:
-        with open(path, errors='replace') as file:
-            found = [match.group(1) for match in map(_ERROR.match, file) if match]
-    except OSError:
-        return ''
-    return found[-1] if found else ''
-
-
-def main(words):
+def main():
     """Run the command line; return the exit code."""
-    required = words[:1] == ['--required']
-    command = words[1:] if required else words
-    if command[:1] in (['-h'], ['--help']):
-        sys.stdout.write(__doc__)
-        return 0
-    if not command:
-        sys.stderr.write('usage: respawn.py [--required] NODE [ARGUMENT ...]\n')
-        return 2
-    return Respawner(command, required).run()
+    parser = programs.parser('respawn.py', __doc__.partition('\n\nThe node')[0],
+                             formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument('--required', action='store_true',
+                        help='end the demo with a node that is not started again')
+    parser.add_argument('node', metavar='NODE')
+    parser.add_argument('arguments', metavar='ARGUMENT', nargs=argparse.REMAINDER)
+    given = parser.parse_args()
+    return Respawner([given.node, *given.arguments], given.required).run()
 
 
 if __name__ == '__main__':
-    sys.exit(main(sys.argv[1:]))
+    sys.exit(main())

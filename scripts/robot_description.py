@@ -1,7 +1,6 @@
 #!/usr/bin/env python3
 """Print the URDF of a robot's file; a xacro file is expanded."""
-import sys
+from img_recog.processes.script import start
 
 if __name__ == '__main__':
-    from img_recog.checks.check_jobs import robot_description
-    sys.exit(robot_description())
+    start('img_recog.checks.check_jobs', function='robot_description')

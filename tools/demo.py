@@ -22,7 +22,7 @@ from demo_arguments import ArgumentError, Arguments
 
 from img_recog.command_line.messages import message
 from img_recog.errors import UserError
-from img_recog.processes import launch_output, process_tree
+from img_recog.processes import launch_output, process_tree, signals
 
 # Seconds after Ctrl-C, and the signal that is sent to all processes then. roslaunch has the time
 # before the first one to stop its nodes itself.
@@ -116,10 +116,8 @@ class Supervisor:
     def run(self, command):
         """Run roslaunch, the command; return its exit code when none of its processes is left."""
         process_tree.adopt_orphans()
-        for signum in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP, signal.SIGQUIT):
-            # nohup ignores this one; scripts ignore SIGINT for what they start in the background
-            if signum != signal.SIGHUP or signal.getsignal(signum) != signal.SIG_IGN:
-                signal.signal(signum, lambda received, _: self._signals.append(received))
+        signals.handle(lambda received, _: self._signals.append(received),
+                       (*signals.ENDING, signal.SIGQUIT))
         signal.signal(signal.SIGPIPE, signal.SIG_IGN)
         roslaunch = self._start(command)
         with selectors.DefaultSelector() as selector:

@@ -12,7 +12,6 @@ here. --compare prints a line for each file that differs now. Public files are c
 is given: it has a clone of each repository of the list, at the commit there, in OWNER+NAME.
 --write writes the list again.
 """
-import argparse
 import dataclasses
 import hashlib
 import logging
@@ -25,6 +24,7 @@ from typing import Any, Dict, Iterator, List, NamedTuple
 import numpy as np
 import pybullet
 
+from img_recog.command_line import programs
 from img_recog.errors import UserError, one_line
 from img_recog.formats.world_file import EMPTY
 from img_recog.loading import assemble
@@ -194,7 +194,7 @@ def _hashes_in(folder: str, places: List[str], is_own: bool) -> Dict[str, str]:
 
 def main() -> int:
     """Print the texts or their hashes, or compare; return 1 if something differs."""
-    parser = argparse.ArgumentParser(description='See the text at the head of this file.')
+    parser = programs.parser('golden.py', 'See the text at the head of this file.')
     for name in ('--hashes', '--compare', '--write'):
         parser.add_argument(name, action='store_true')
     parser.add_argument('files', nargs='*', metavar='FILE')

@@ -31,7 +31,7 @@ ALLOWED = {
     '__init__': (), 'errors': (), 'processes': ('errors',), 'rotations': (),
     'model': ('rotations',), 'files': ('errors',), 'settings': ('errors',),
     'loading': ('conversions', 'errors', 'files', 'formats', 'settings', 'simulation'),
-    'ros': ('errors', 'settings'),
+    'ros': ('errors', 'processes', 'settings'),
     'conversions': PURE + ('errors', 'rotations', 'settings'),
     'recordings': PURE + GROUND_FLOOR + ('conversions',),
     'replay': PURE + GROUND_FLOOR + ('conversions', 'recordings', 'ros'),

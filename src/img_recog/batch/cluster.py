@@ -2,7 +2,6 @@
 import contextlib
 import logging
 import shlex
-import signal
 import tempfile
 import time
 import warnings
@@ -20,7 +19,7 @@ from img_recog.batch import code_version
 from img_recog.batch.options import Options
 from img_recog.batch.work import Done, Function, Piece, run_piece
 from img_recog.errors import UserError, one_line
-from img_recog.processes.signals import Interrupts
+from img_recog.processes.signals import Interrupts, uninterrupted
 
 _WAIT_S = 10            # for the scheduler, and for its first worker
 _IN_FLIGHT = 1000       # pieces that the scheduler knows
@@ -86,10 +85,8 @@ def connected(options: Options, interrupts: Interrupts) -> ContextManager[Client
 @contextlib.contextmanager
 def _local(jobs: int, interrupts: Interrupts) -> Iterator[Client]:
     with contextlib.ExitStack() as stack:
-        with interrupts.deferred(), contextlib.ExitStack() as starting:
-            # Ctrl-C goes to this process alone, which then ends the others
-            starting.callback(signal.signal, signal.SIGINT,
-                              signal.signal(signal.SIGINT, signal.SIG_IGN))
+        # Ctrl-C goes to this process alone, which then ends the others
+        with interrupts.deferred(), uninterrupted():
             dask.config.set({**_QUIET, **_CRASHES})
             folder = stack.enter_context(tempfile.TemporaryDirectory())
             # Whoever else is on this machine reaches the loopback, and Dask would run his code

@@ -9,6 +9,8 @@ from multiprocessing.connection import Connection
 from multiprocessing.reduction import ForkingPickler
 from typing import Any, Callable, Optional, Tuple
 
+from img_recog.processes import signals
+
 _EXIT_TIMEOUT_S = 2.0
 _END = object()             # the message after the last one
 # Linux reports room for writing while a quarter of a socket's buffer of 208 kB is used at most
@@ -103,7 +105,7 @@ class HelperProcess:
 def _run(target: Callable[..., None], connection: Connection, inherited: Tuple, niceness: int
          ) -> None:
     # Ctrl-C reaches the whole process group; this process exits when its parent does
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    signals.handle(signal.SIG_IGN, [signal.SIGINT])
     os.nice(niceness)
     try:
         args = connection.recv()

@@ -96,7 +96,7 @@ class LaunchOutput:
 
     def _death(self, node: str, required: bool, code: int, command: str) -> Death:
         log = re.search(r'__log:=(\S+)', command)
-        reason = _described(code)
+        reason = described(code)
         if code >= 0:       # else its own messages are not the reason
             reason = (last_error(log.group(1)) if log else '') or self._exception or reason
         self._required, self._exception = None, ''
@@ -117,7 +117,8 @@ def last_error(path: str) -> str:
     return next((match.group(1) for match in reversed(found) if match), '')
 
 
-def _described(code: int) -> str:
+def described(code: int) -> str:
+    """Return how a process has ended; code: its exit code, or the negative number of a signal."""
     if code < 0:
         names = {signum.value: signum.name for signum in signal.Signals}
         return 'killed by {}'.format(names.get(-code, 'signal {}'.format(-code)))

@@ -17,9 +17,9 @@ def adopt_orphans() -> None:
     _prctl(PR_SET_CHILD_SUBREAPER, 1)
 
 
-def end_with_parent() -> None:
-    """Have the kernel send this process SIGTERM when its parent ends, even if killed."""
-    _prctl(PR_SET_PDEATHSIG, signal.SIGTERM)
+def end_with_parent(signum: int = signal.SIGTERM) -> None:
+    """Have the kernel send this process a signal when its parent ends, even if killed."""
+    _prctl(PR_SET_PDEATHSIG, signum)
 
 
 def _prctl(option: int, value: int) -> None:

@@ -1,25 +1,46 @@
-"""Ends a program by an exception when it receives a signal."""
+"""The signals that end a program."""
 import atexit
 import contextlib
 import signal
 import sys
-from typing import Iterator, Optional
+from typing import Any, Iterator, Optional, Sequence
+
+ENDING = signal.SIGINT, signal.SIGTERM, signal.SIGHUP
+
+
+def handle(handler: Any, signums: Sequence[int] = ENDING) -> None:
+    """Set the handler of signals that end the program.
+
+    SIGHUP stays ignored if it is, as under nohup. The others also end a program that a script has
+    started in the background, which ignores SIGINT.
+    """
+    for signum in signums:
+        if signum != signal.SIGHUP or signal.getsignal(signum) != signal.SIG_IGN:
+            signal.signal(signum, handler)
+
+
+@contextlib.contextmanager
+def uninterrupted() -> Iterator[None]:
+    """Leave a Ctrl-C, which reaches the whole process group, to other processes."""
+    handler = signal.signal(signal.SIGINT, signal.SIG_IGN)
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGINT, handler)
 
 
 class Interrupts:
     """Makes SIGINT raise KeyboardInterrupt, and SIGTERM and SIGHUP SystemExit(128 + signum).
 
-    So unfinished files are removed before the program ends. SIGHUP stays ignored if it is, as
-    under nohup. The others also end a program that a script has started in the background.
+    So unfinished files are removed before the program ends.
     """
 
     def __init__(self) -> None:
         self._is_deferred = False
         self._pending: Optional[int] = None
-        for signum in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
-            if signum != signal.SIGHUP or signal.getsignal(signum) != signal.SIG_IGN:
-                signal.signal(signum, self._end)
-        atexit.register(_end_at_once)
+        handle(self._end)
+        # an exception in the last calls of Python is just printed
+        atexit.register(handle, signal.SIG_DFL)
 
     @contextlib.contextmanager
     def deferred(self) -> Iterator[None]:
@@ -39,10 +60,3 @@ class Interrupts:
             raise KeyboardInterrupt
         else:
             sys.exit(128 + signum)
-
-
-def _end_at_once() -> None:
-    """Have signals end the program: an exception in the last calls of Python is just printed."""
-    for signum in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
-        if signal.getsignal(signum) != signal.SIG_IGN:
-            signal.signal(signum, signal.SIG_DFL)

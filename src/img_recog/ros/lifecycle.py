@@ -3,7 +3,6 @@ import contextlib
 import logging
 import os
 import queue
-import signal
 import sys
 import threading
 import traceback
@@ -13,6 +12,7 @@ from typing import Callable
 import rospy
 
 from img_recog.errors import UserError, one_line, shortened
+from img_recog.processes import signals
 from img_recog.ros import node_help
 from img_recog.ros.log import log_handlers, log_records
 from img_recog.ros.master import master_watch
@@ -60,10 +60,7 @@ def run(name: str, serve: Callable[[], None],
     master_watch.start(on_shutdown)
     reasons: 'queue.Queue[str]' = queue.Queue()
     rospy.core.add_preshutdown_hook(reasons.put)
-    for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
-        # nohup ignores this one; scripts ignore SIGINT for what they start in the background
-        if number != signal.SIGHUP or signal.getsignal(number) != signal.SIG_IGN:
-            signal.signal(number, _shut_down)
+    signals.handle(_shut_down)
     code = _run(serve)
     if code:
         rospy.signal_shutdown('exit code {}'.format(code))
