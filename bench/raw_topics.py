@@ -3,7 +3,7 @@ import contextlib
 import socket
 import struct
 import threading
-from typing import Any, Callable, Iterator, Sequence, Union
+from typing import Iterator, Sequence, Union
 from xmlrpc.client import ServerProxy
 
 import rosgraph
@@ -38,16 +38,11 @@ def connect(topic: str, master_uri: str, poll_period_s: float = 0.1) -> socket.s
     return sock
 
 
-def messages(sock: socket.socket, begun: Callable[[], Any] = lambda: None
-             ) -> Iterator[memoryview]:
-    """Yield the serialized messages that arrive; each is overwritten by the next one.
-
-    begun: called when the first bytes of a message have arrived.
-    """
+def messages(sock: socket.socket) -> Iterator[memoryview]:
+    """Yield the serialized messages that arrive; each is overwritten by the next one."""
     memory = bytearray()
     while True:
         size, = _LENGTH.unpack(_receive(sock, bytearray(_LENGTH.size)))
-        begun()
         if size > len(memory):
             memory = bytearray(size)
         yield _receive(sock, memoryview(memory)[:size])

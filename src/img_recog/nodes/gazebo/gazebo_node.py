@@ -78,7 +78,6 @@ class Gazebo:
         physics, view = parameters.read(PhysicsSettings), parameters.read(ViewSettings)
         which = parameters.read(RobotsSettings)
         lockstep, stepping = parameters.read(LockstepSettings), parameters.read(SteppingSettings)
-        self._clock_period_s = physics.clock_period_s
         self._clock_steps = whole_steps('clock_period_s', physics.clock_period_s, physics.step_s)
         # in lockstep, nothing is to be looked at before the next answers
         round_s = _LOCKSTEP_ROUND_S if lockstep.topics else _FREE_RUN_ROUND_S
