@@ -1,8 +1,6 @@
 """Handlers of the log that keep a node running: no log file, a full disk, a closed terminal."""
 import logging
-import os
 import sys
-from logging.handlers import RotatingFileHandler
 from typing import Any, Iterator, Optional, Set
 
 from rosgraph import roslogging
@@ -84,12 +82,3 @@ def _guard(handler: logging.Handler) -> None:
             notice(record)
     setattr(handler, 'emit', guarded)
     setattr(handler, 'handleError', notice)
-    if isinstance(handler, RotatingFileHandler):
-        setattr(handler, 'shouldRollover', lambda record: _is_full(handler))
-
-
-def _is_full(handler: RotatingFileHandler) -> bool:
-    """Return whether the file has its size; the original formats each line again to know that."""
-    if handler.stream is None:      # it could not be opened after the last change of files
-        handler.stream = handler._open()
-    return 0 < int(handler.maxBytes) <= os.fstat(handler.stream.fileno()).st_size
