@@ -1,5 +1,4 @@
 """A thread that reads frames from a source, detects a stall, and reopens a lost source."""
-import os
 import threading
 import time
 from typing import Callable, Optional
@@ -54,9 +53,8 @@ class Listener:
 class Capture:
     """Reads frames in a thread between `start` and `stop`, and passes them to a listener.
 
-    A source that has `reconnects` set, and that was open before, is reopened whenever it is lost,
-    and any source that fails while this process has no file descriptors left: it is closed first,
-    and retried with a delay that grows from 0.5 s to 5 s.
+    A source that has `reconnects` set, and that was open before, is reopened whenever it is lost:
+    it is closed first, and retried with a delay that grows from 0.5 s to 5 s.
     """
 
     def __init__(self, open_source: Callable[[], FrameSource], listener: Listener,
@@ -200,10 +198,8 @@ class Capture:
             self._request_stop()
             self._listener.ended(str(end))
         except SourceError as error:
-            shortage = _shortage()
-            if source.reconnects or shortage:
-                self._reconnects = True
-                self._set_lost(shortage or str(error))
+            if source.reconnects:
+                self._set_lost(str(error))
             else:
                 self._request_stop()
                 self._listener.failed(error, opening=False)
@@ -242,12 +238,3 @@ class Capture:
         if was_lost:
             self._listener.opened(source)
             self._listener.reconnected()
-
-
-def _shortage() -> str:
-    """Return why nothing can be opened at present; empty if something can."""
-    try:
-        os.close(os.open(os.devnull, os.O_RDONLY))
-    except OSError as error:        # EMFILE, ENFILE
-        return str(error.strerror)
-    return ''

@@ -1,5 +1,4 @@
 """The capture on fake sources and a fake clock, run in the thread of the test."""
-import resource
 from functools import partial, partialmethod
 
 import numpy as np
@@ -234,30 +233,6 @@ def test_camera_above_its_max_rate_is_throttled_evenly(clock):
     times = [call[1] for call in calls if call[0] == 'frame']
     assert {round((b - a) * 64) for a, b in zip(times[1:], times[2:])} == {4}
     assert len(times) + rig.listener.names().count('dropped') == 640
-
-
-def test_any_source_is_opened_again_that_fails_while_no_descriptors_are_left(clock):
-    limits = resource.getrlimit(resource.RLIMIT_NOFILE)
-
-    def fails():
-        resource.setrlimit(resource.RLIMIT_NOFILE, (0, limits[1]))
-        raise SourceError('film.avi can no longer be read')
-
-    def on_wait():
-        resource.setrlimit(resource.RLIMIT_NOFILE, limits)
-        return False
-
-    rig = Rig(clock, video(0.1, fails), SourceError('no such file'),
-              video(0.1, SourceError('moved')))
-    rig.on_wait = on_wait
-    try:
-        calls = rig.run()
-    finally:
-        resource.setrlimit(resource.RLIMIT_NOFILE, limits)
-    assert [call[:2] for call in calls if call[0] in ('lost', 'failed')] == [
-        ('lost', 'Too many open files'), ('failed', 'moved')]
-    assert rig.listener.names()[:6] == [
-        'opened', 'frame', 'lost', 'opened', 'reconnected', 'frame']
 
 
 def test_shut_down_interrupts_the_wait_for_a_lost_device(clock):
