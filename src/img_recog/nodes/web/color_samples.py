@@ -15,7 +15,6 @@ from img_recog.recognition.fitting.marked import Marked
 from img_recog.recognition.fitting.offers import Offer, offers_of_a_process
 
 _FIT_TIMEOUT_S = 120.0
-_MIN_FREE_BYTES = 1_000_000_000
 _fitting = threading.Lock()     # one search at a time in this program
 
 
@@ -92,9 +91,6 @@ class ColorSamples:
             with _refusal(path):
                 folder = tempfile.mkdtemp(prefix='.samples', dir=os.path.dirname(path))
                 try:
-                    if shutil.disk_usage(folder).free < _MIN_FREE_BYTES:
-                        raise UserError('cannot write {}: less than 1 GB is free'.format(path),
-                                        'remove files')
                     marked.write(now, folder)
                     os.chmod(folder, 0o755)
                     os.rename(folder, path)
