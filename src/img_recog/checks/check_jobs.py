@@ -50,7 +50,7 @@ def _check_world(words: List[str], _: object) -> str:
 
 
 def _text(report: Any) -> str:
-    """Return the text of a Report; one with a problem is printed, and its problem raised."""
+    """Return the text of a CheckReport; one with a problem is printed, and its problem raised."""
     text = report.text()[:-1]
     if report.problem:
         programs.write(text)
