@@ -106,19 +106,11 @@ class Reconfigurable(Server, Generic[SettingsType]):
 
 
 def _requested(config: ConfigMsg, names: Sequence[str]) -> Mapping[str, Any]:
-    """Return the values in a request; raise UserError if it does not fit this server."""
-    for group in config.groups:
-        if group.id != 0 or group.parent != 0:
-            raise UserError("got a group '{}' with the id {} in the group {}, but the only one is "
-                            'Default, 0 in 0'.format(
-                                shortened(group.name), group.id, group.parent),
-                            'leave groups out of the request')
+    """Return the values in a request; raise SettingError if one is not of this server."""
     values = {}
     for each in chain(config.bools, config.ints, config.strs, config.doubles):
         if each.name not in names:
             raise SettingError(each.name, each.value, 'one of the parameters ' + ', '.join(names))
-        if each.name in values:
-            raise UserError('got two values of {}'.format(shortened(each.name)), 'give one')
         values[each.name] = each.value
     return values
 
