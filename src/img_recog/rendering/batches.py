@@ -157,7 +157,8 @@ class Loader:
             red, green, blue, opacity = material.color
             base = np.array(material.ambient or (red, green, blue)) * ambient + material.emissive
             table[row, :, column] = ((*base, opacity), (red, green, blue, material.shininess),
-                                     (*material.specular, 0))
+                                     (*material.specular, 0) if self._shines(material)
+                                     else (0, 0, 0, 0))
         texture = self._context.texture((shaders.TABLE_WIDTH, 3 * height), 4, table.tobytes(),
                                         dtype='f4')
         texture.filter = moderngl.NEAREST, moderngl.NEAREST

@@ -205,7 +205,7 @@ void main() {
     color.rgb += highlight;
 #endif
 #ifdef FOG
-    color.rgb = mix(fog_color, color.rgb, clear);
+    color = mix(vec4(fog_color, 1.0), color, clear);      // what is transparent as well
 #endif
 }
 '''

@@ -153,6 +153,13 @@ def test_lights(seen, lights):
     assert_close(seen(world, looking_down(4.0), POINTS), LIGHTS[lights])
 
 
+def test_a_highlight_needs_an_exponent_in_any_light(seen):
+    lamp = light('point', 1, inside=HALF + '<specular>1 1 1 1</specular>')
+    plane = VISUAL.format(PLANE, WHITE + '<specular>1 1 1 1</specular>', '')
+    assert_close(seen(DARK + lamp + MODEL.format('g', '0 0 0', plane), looking_down(4.0), POINTS),
+                 LIGHTS[light('point', 1)])
+
+
 def test_ten_lights_are_added(seen):
     world = DARK + ''.join(light('point', '0.3 0 0 0', fading(3, 1, 2, 4),
                                  '<diffuse>.3 .3 .3 1</diffuse>').replace(
@@ -166,16 +173,22 @@ def test_ten_lights_are_added(seen):
 FOG = '<scene><fog><color>0 0 1 1</color><type>{}</type>{}</fog></scene>'
 
 
-@pytest.mark.parametrize('fog, near, far, ground', [
-    (FOG.format('linear', '<start>1</start><end>10</end>'), [60, 0, 105], [26, 0, 190],
+CLEAR = '<transparency>0.6</transparency>'
+
+
+@pytest.mark.parametrize('fog, more, near, far, ground', [
+    (FOG.format('linear', '<start>1</start><end>10</end>'), '', [60, 0, 105], [26, 0, 190],
      [0, 0, 255]),
-    (FOG.format('exp', '<density>.1</density>'), [64, 0, 96], [47, 0, 137], [1, 1, 254]),
-    (FOG.format('exp2', '<density>.1</density>'), [82, 0, 51], [56, 0, 114], [0, 0, 255]),
-    (FOG.format('none', ''), [102, 0, 0], [102, 0, 0], [155, 155, 155]),
-    ('<scene><fog/></scene>', [102, 0, 0], [102, 0, 0], [155, 155, 155])])
-def test_fog_is_that_of_the_corners(seen, fog, near, far, ground):
+    # fog makes what is transparent less so
+    (FOG.format('linear', '<start>1</start><end>10</end>'), CLEAR, [39, 0, 158], [22, 0, 200],
+     [0, 0, 255]),
+    (FOG.format('exp', '<density>.1</density>'), '', [64, 0, 96], [47, 0, 137], [1, 1, 254]),
+    (FOG.format('exp2', '<density>.1</density>'), '', [82, 0, 51], [56, 0, 114], [0, 0, 255]),
+    (FOG.format('none', ''), '', [102, 0, 0], [102, 0, 0], [155, 155, 155]),
+    ('<scene><fog/></scene>', '', [102, 0, 0], [102, 0, 0], [155, 155, 155])])
+def test_fog_is_that_of_the_corners(seen, fog, more, near, far, ground):
     posts = ''.join(MODEL.format('m{}'.format(x), '{} {} 0.5'.format(x, y), VISUAL.format(
-        '<box><size>.6 .6 1</size></box>', RED, '')) for x, y in ((2, 0), (5, 1.5)))
+        '<box><size>.6 .6 1</size></box>', RED, more)) for x, y in ((2, 0), (5, 1.5)))
     found = seen(fog + SUN + GROUND + posts, at(-3, 0, 1), [
         (1.7, 0, 0.5), (4.7, 1.5, 0.5), (0, 1, 0)])
     assert_close(found, [near, far, ground])
