@@ -4,8 +4,8 @@ import math
 import xml.etree.ElementTree as ElementTree
 from typing import Dict, Iterable, Iterator, List, Mapping, NamedTuple, Optional, Sequence, Tuple
 
-from img_recog.formats.elements import (ATTRIBUTES, MODEL_PLUGINS, NO_EFFECT, NOT_SIMULATED, SDF,
-                                        SIMULATED, URDF, Row)
+from img_recog.formats.elements import (ATTRIBUTES, KNOWN_PLUGINS, MODEL_PLUGINS, NO_EFFECT,
+                                        NOT_SIMULATED, PLUGIN_NAMES, SDF, SIMULATED, URDF, Row)
 
 NOT_KNOWN, NOT_USED, NOT_UNIQUE = 'not known', 'not used', 'not unique'
 _FORMATS: Mapping[str, Mapping[str, Row]] = {'sdf': SDF, 'robot': URDF}
@@ -73,6 +73,7 @@ _Found = Tuple[str, str, str]
 def _found(element: ElementTree.Element, path: Tuple[str, ...], place: str) -> Iterator[_Found]:
     row = row_of(path)
     if row.anything:
+        yield from _parameters(element, place)
         return
     fates = _fates(row)
     for name in element.keys():
@@ -88,6 +89,7 @@ def _found(element: ElementTree.Element, path: Tuple[str, ...], place: str) -> I
         state, default = fates.get(tag, (NOT_KNOWN, None))
         if inner[-2:] == ('model', 'plugin') and any(
                 word in child.get('filename', '') for word in MODEL_PLUGINS):
+            yield from _parameters(child, _below(place, child))
             continue
         if state == NOT_KNOWN or state == NOT_SIMULATED and (
                 default is None or not _changes_nothing(element, child, default)):
@@ -100,6 +102,14 @@ def _found(element: ElementTree.Element, path: Tuple[str, ...], place: str) -> I
             if default == _BOOLEAN:
                 yield from _boolean(child, place)
             yield from _found(child, inner, _below(place, child))
+
+
+def _parameters(plugin: ElementTree.Element, place: str) -> Iterator[_Found]:
+    """Yield what a plugin of gazebo_ros does not read."""
+    if any(word in plugin.get('filename', '') for word in KNOWN_PLUGINS):
+        for child in plugin:
+            if isinstance(child.tag, str) and child.tag not in PLUGIN_NAMES:
+                yield NOT_KNOWN, '<{}>'.format(child.tag), place
 
 
 @functools.lru_cache(maxsize=None)
