@@ -121,7 +121,7 @@ SDF: Dict[str, Row] = {
                            'collide_without_contact_bitmask category_bitmask',
                            why='Gazebo does not use the other bitmasks either'),
     'contact/ode': Row('kp kd max_vel min_depth', no_effect='soft_cfm soft_erp', why=_CONTACTS),
-    'surface/friction': Row('ode', no_effect='bullet', not_simulated='torsional',
+    'surface/friction': Row('ode', no_effect='bullet', not_simulated='torsional=0',
                             why='those of ode count, as in Gazebo'),
     'friction/ode': Row('mu mu2 fdir1', not_simulated='slip1=0 slip2=0'),
     'visual': Row('', 'geometry pose material transparency',

@@ -133,6 +133,10 @@ class _Reader:
                 elif element.tag in ('model', 'population'):
                     for model in (sdf_populations.models(element) if element.tag == 'population'
                                   else [copy.deepcopy(element)]):
+                        if not any(each.tag in ('link', 'include') for each in model.iter()):
+                            self._problems.add_finding(
+                                NOT_USED, 'model {}, which has no link,'.format(name_of(model)),
+                                path)
                         self._expand(model, path, stack)
                         found.append((model, version, path))
                 elif element.tag == 'road':

@@ -7,7 +7,6 @@ import numpy as np
 
 from img_recog.files import FindFile
 from img_recog.formats import frictions, lights, lumping, sdf_gears, sdf_links, sdf_states
-from img_recog.formats.audit import NOT_USED
 from img_recog.formats.elements import NOT_SIMULATED
 from img_recog.formats.problems import Problems
 from img_recog.formats.sdf_frames import WORLD, pose_of
@@ -35,8 +34,6 @@ def trees(model: ElementTree.Element, version: Version, find: FindFile,
     name, pose = name_of(model), pose_of(model)
     parts = Joints(model, version, problems)
     found: List[Tree] = []
-    if not parts.links:
-        problems.add_finding(NOT_USED, 'model {}, which has no link,'.format(name), 'the world')
     joints_of = _joints_of_links(parts)
     for root in _roots(parts):
         for tree in _Builder(parts, joints_of, root, find, problems).trees(name, pose):

@@ -108,6 +108,15 @@ def test_the_version_of_each_file_counts(folder):
     assert axes == [[0, 1, 0], [0, 0, 1]]
 
 
+def test_a_model_without_a_link_is_named(folder):
+    problems = Problems()
+    sdf_file.read(ElementTree.fromstring(
+        '<sdf version="1.6"><world name="w"><model name="a"/><model name="b"><include><uri>'
+        'model://none</uri></include></model></world></sdf>'), 'a.sdf', lambda uri: None, problems)
+    assert [each.text() for each in problems.findings] == [
+        'model a, which has no link, of a.sdf']
+
+
 def test_state_moves_the_models_that_it_names(folder):
     contents = read(
         folder, include('model://table', '<name>a</name>'), '<model name="b">' + LINK + '</model>',
