@@ -154,6 +154,11 @@ class _Reader:
             sdf_frames.set_pose(model, pose)
         for each in found:
             self._add(*each, parent.find('state'))
+        for light in parent.findall('state/light'):
+            with self._problems.left_out():
+                if name_of(light) in self.lights:
+                    self.lights[name_of(light)] = self.lights[name_of(light)]._replace(
+                        pose=sdf_frames.pose_of(light))
 
     def _add(self, model: ElementTree.Element, version: Version, path: str,
              state: Optional[ElementTree.Element]) -> None:

@@ -272,6 +272,12 @@ def test_the_state_has_six_numbers_and_replaces_the_pose(folder):
     assert rotations.to_rpy(tree.pose.rotation) == pytest.approx((0.1, 0.2, 0.3))
 
 
+def test_the_state_moves_lights(folder):
+    found = read(folder, '<light name="a" type="point"/><light name="b" type="point"/><state>'
+                 '<light name="a"><pose>1 2 3 0 0 0</pose></light><light name="c"/></state>')
+    assert [light.pose.translation.tolist() for light in found.lights] == [[1, 2, 3], [0, 0, 0]]
+
+
 def test_the_state_moves_the_links_of_nested_models_and_scales_shapes(folder):
     def solid(name, geometry):
         return '<link name="{0}"><collision name="c"><geometry>{1}</geometry></collision></link>' \
