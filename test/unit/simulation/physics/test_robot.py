@@ -1,4 +1,5 @@
 """Robots as others write them, driven straight and turning: the speed is the one that is asked."""
+import numpy as np
 import pybullet
 import pytest
 
@@ -56,17 +57,15 @@ def build(base=BASE, wheel=WHEEL, caster='', roll='1.5707963', more='</robot>', 
 
 
 def moved(simulator, linear_x, angular_z):
-    """Return how far a cart drives in 2 s and turns in 1 s of these, from when it is steady."""
+    """Return how far a cart drives in 1 s, and turns, from when it is steady."""
     vehicle = simulator.vehicles[0]
     vehicle.command(linear_x, angular_z)
     simulator.advance(1000)
     start = vehicle.robot.motion()
     simulator.advance(1000)
-    middle = vehicle.robot.motion()
-    simulator.advance(1000)
-    way = vehicle.robot.motion().position - start.position
+    end = vehicle.robot.motion()
     assert start.position[2] == pytest.approx(0, abs=0.002)
-    return (way[0] ** 2 + way[1] ** 2) ** 0.5, middle.yaw - start.yaw
+    return np.hypot(*(end.position - start.position)[:2]), end.yaw - start.yaw
 
 
 ROBOTS = {
@@ -82,9 +81,9 @@ ROBOTS = {
 @pytest.mark.parametrize('parts', list(ROBOTS.values()), ids=list(ROBOTS))
 def test_robots_drive_as_fast_as_asked(parts):
     simulator, _ = build(**parts)
-    assert moved(simulator, 0.2, 0.0)[0] == pytest.approx(0.4, rel=0.02)
+    assert moved(simulator, 0.2, 0.0)[0] == pytest.approx(0.2, rel=0.02)
     way, turned = moved(simulator, 0.0, 0.5)
-    assert turned == pytest.approx(TURN_SHARE * 0.5, rel=0.025) and way < 0.01
+    assert turned == pytest.approx(TURN_SHARE * 0.5, rel=0.025) and way < 0.005
 
 
 def test_surfaces_have_the_friction_of_their_tags_and_the_mass_is_that_of_the_links():
