@@ -85,12 +85,6 @@ def test_start_of_a_source_that_is_gone_leaves_the_camera_stopped(roscore, servi
     assert camera.interrupt() == 0
 
 
-def test_source_that_is_missing_at_the_start_ends_the_node_with_one_line(roscore, tmp_path):
-    camera = start(roscore, '_video_device:={}/still.png'.format(tmp_path))
-    assert camera.wait() == 1
-    assert len(re.findall(r'\[FATAL\].*/still.png: no such file or device', camera.output)) == 1
-
-
 def test_a_video_whose_size_changes_is_one_line(roscore, tmp_path):
     with open(str(tmp_path / 'joined.ts'), 'wb') as joined:
         for size in ('96x64', '128x96'):

@@ -16,18 +16,14 @@ from img_recog_helpers.waiting import wait_for
 pytestmark = pytest.mark.usefixtures('shared_ros')       # one master
 
 
-MESH = ('<link name="cover"><visual><geometry><mesh filename="package://no_such_package/x.stl"/>'
-        '</geometry></visual></link><joint name="cover_joint" type="fixed">'
-        '<parent link="base_link"/><child link="cover"/></joint>')
 SONAR = ('<gazebo reference="base_link"><sensor type="sonar" name="ear">'
          '<plugin name="ear" filename="libgazebo_ros_range.so"/></sensor></gazebo>')
 
 
 @pytest.mark.parametrize('parameter, addition, named', [
-    ('', MESH, 'package://no_such_package/x.stl'),
     ('', SONAR, 'libgazebo_ros_range.so'),
     ('_wheel_seperation:=0.2', '', 'wheel_seperation is unknown to this node: did you mean '
-                                   'wheel_separation?')], ids=['mesh', 'sonar', 'typo'])
+                                   'wheel_separation?')], ids=['sonar', 'typo'])
 def test_warns_and_continues(simulate, parameter, addition, named):
     node = simulate(*filter(None, [parameter]), urdf=burger(addition))
     node.wait_output('simulating 1.0017 kg')
