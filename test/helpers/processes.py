@@ -172,10 +172,10 @@ class Ros:
 
     def demo(self, *arguments, **popen):
         """Start the demo, by default with a small synthetic camera and without the page."""
-        return self.launch('img_recog', 'demo.launch', *SMALL_CAMERA, 'web:=false', *arguments,
-                           **popen)
+        return self.roslaunch('img_recog', 'demo.launch', *SMALL_CAMERA, 'web:=false', *arguments,
+                              **popen)
 
-    def launch(self, *words, **popen):
+    def roslaunch(self, *words, **popen):
         """Start roslaunch, which kills no node that ends later because the machine is busy."""
         return self.start('roslaunch', '-p', self.port, '--sigint-timeout={}'.format(DEADLINE_S),
                           *words, **popen)

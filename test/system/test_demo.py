@@ -124,7 +124,7 @@ def test_a_recording_has_what_is_worth_keeping(ros, tmp_path):
 def test_in_a_namespace_it_is_the_same_on_the_one_clock(ros, tmp_path, robots, robot):
     path = tmp_path / 'included.launch'
     path.write_text(NAMESPACED.format(tmp_path, robots))
-    demo = ros.launch(path)
+    demo = ros.roslaunch(path)
     demo.wait_output('(the robot|robot tb3_1) drives forward')
     wait_recorded(ros, '/lab/record', '/lab/', robot)
     topics = ros.run('rostopic', 'list').split()

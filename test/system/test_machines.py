@@ -45,6 +45,7 @@ def test_a_real_robot_needs_no_simulator_and_is_stopped(ros):
 
 @pytest.mark.parametrize('respawn', ['true', 'false'])
 def test_on_this_machine_it_drives(ros, respawn):
-    demo = ros.launch('img_recog', 'machines.launch', 'camera:=synthetic', 'respawn:=' + respawn)
+    demo = ros.roslaunch('img_recog', 'machines.launch', 'camera:=synthetic',
+                         'respawn:=' + respawn)
     demo.wait_output('(?s)the robot drives forward.*the robot stands')
     assert demo.interrupt() == 0

@@ -80,7 +80,7 @@ def test_a_launch_file_like_that_of_usb_cam_shows_the_image(ros, wait_shares, tm
     picture, launch = str(tmp_path / 'picture.png'), tmp_path / 'usb_cam.launch'
     assert cv2.imwrite(picture, np.full((480, 640, 3), (0, 200, 0), np.uint8))
     launch.write_text(USB_CAM_LAUNCH.format(picture))
-    ros.launch(launch).wait_output('camera: image')
+    ros.roslaunch(launch).wait_output('camera: image')
     ros.wait_run('frame_id: "usb_cam"', 'rostopic', 'echo', '-n', '1', '/usb_cam/image_raw/header')
     wait_shares({'green': ((0, 180, 0), (20, 220, 20))}, lambda found: found['green'] > 0.25)
 
