@@ -242,8 +242,7 @@ def test_the_sky_is_behind_everything():
     image = renderer.draw(CAMERA, np.eye(4), HERE)
     assert image[120, 160].tolist() == [0, 102, 0]      # the box
     assert image[0, 160] == pytest.approx(
-        sky_color((math.sqrt(0.8125), 0, math.sqrt(0.1875))),
-                                             abs=10)
+        sky_color((math.sqrt(0.8125), 0, math.sqrt(0.1875))), abs=10)
     assert image[239, 160].tolist() == [128, 64, 191]       # the background, below the horizon
     assert np.isinf(renderer.depth(CAMERA, np.eye(4), HERE)[0, 160])
 
