@@ -44,8 +44,8 @@ def said(text):
     (ROBOT.format('', '<gazebo><plugin name="d" filename="libgazebo_ros_diff_drive.so">'
                   '<leftJoint>j</leftJoint><wheelSeperation>1</wheelSeperation></plugin></gazebo>'),
      'not known', '<wheelSeperation> of robot r plugin libgazebo_ros_diff_drive.so'),
-    (MODEL.format('<plugin name="p" filename="libgazebo_ros_diff_drive.so"><topic/></plugin>'),
-     'not known', '<topic> of model m plugin libgazebo_ros_diff_drive.so'),
+    (MODEL.format('<plugin name="p" filename="libgazebo_ros_diff_drive.so"><topic/></plugin>'
+                  ), 'not known', '<topic> of model m plugin libgazebo_ros_diff_drive.so'),
     (ROBOT.format('<visaul/>', ''), 'not known', '<visaul> of robot r link l'),
     (ROBOT.format('', '<gazebo reference="l"><kinematic>true</kinematic></gazebo>'),
      'not simulated', '<kinematic> of robot r gazebo l'),
