@@ -190,15 +190,16 @@ URDF: Dict[str, Row] = {
         'surface', 'bounce', 'friction', 'script', 'light', 'attenuation', 'spot')},
     'gazebo/visual/material': SDF['material'],
 }
-# of the plugins of gazebo_ros whose names contain these: all that they read, one list for all, with
-# what ROS 2 calls it
+
+# of the plugins of gazebo_ros whose names contain these: all that they read, one list for all,
+# with what ROS 2 calls it
 KNOWN_PLUGINS = ('gazebo_ros_diff_drive', 'gazebo_ros_skid_steer', 'gazebo_ros_planar_move',
                  'gazebo_ros_laser', 'gazebo_ros_gpu_laser', 'gazebo_ros_camera',
                  'gazebo_ros_openni', 'gazebo_ros_depth', 'gazebo_ros_multicamera',
                  'gazebo_ros_bumper', 'gazebo_ros_imu')
 PLUGIN_NAMES = frozenset("""
-    Cx CxPrime Cy accelDrift accelGaussianNoise alwaysOn autoDistortion baseline bodyName borderCrop
-    broadcastTF bumperTopicName cameraInfoTopicName cameraName cmdTimeout commandTopic covariance_x
+    Cx CxPrime Cy accelDrift accelGaussianNoise alwaysOn autoDistortion baseline bodyName
+    borderCrop broadcastTF bumperTopicName cameraInfoTopicName cameraName cmdTimeout commandTopic covariance_x
     covariance_y covariance_yaw depthImageCameraInfoTopicName depthImageInfoTopicName
     depthImageTopicName distortionK1 distortionK2 distortionK3 distortionT1 distortionT2
     distortion_k1 distortion_k2 distortion_k3 distortion_t1 distortion_t2 focalLength fov frameName

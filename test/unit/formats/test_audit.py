@@ -41,11 +41,11 @@ def said(text):
     (MODEL.format('<link/>'), 'not known', '<link> without a name of world w model m'),
     (MODEL.replace('</world>', '</world><world name="v"/>'), 'not used',
      'second world v of the file'),
-    (ROBOT.format('', '<gazebo><plugin name="d" filename="libgazebo_ros_diff_drive.so">'
-                  '<leftJoint>j</leftJoint><wheelSeperation>1</wheelSeperation></plugin></gazebo>'),
+    (ROBOT.format('', '<gazebo><plugin filename="libgazebo_ros_diff_drive.so"><leftJoint>j'
+                  '</leftJoint><wheelSeperation>1</wheelSeperation></plugin></gazebo>'),
      'not known', '<wheelSeperation> of robot r plugin libgazebo_ros_diff_drive.so'),
-    (MODEL.format('<plugin name="p" filename="libgazebo_ros_diff_drive.so"><topic/></plugin>'
-                  ), 'not known', '<topic> of model m plugin libgazebo_ros_diff_drive.so'),
+    (MODEL.format('<plugin filename="libgazebo_ros_diff_drive.so"><topic/></plugin>'),
+     'not known', '<topic> of model m plugin libgazebo_ros_diff_drive.so'),
     (ROBOT.format('<visaul/>', ''), 'not known', '<visaul> of robot r link l'),
     (ROBOT.format('', '<gazebo reference="l"><kinematic>true</kinematic></gazebo>'),
      'not simulated', '<kinematic> of robot r gazebo l'),
