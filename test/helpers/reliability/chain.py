@@ -1,7 +1,7 @@
 """The chain from a known image to the robot's motion, checked from outside of the nodes."""
 import select
 import time
-from typing import Callable, Dict, List, NamedTuple, Optional, Tuple
+from typing import Dict, List, NamedTuple, Optional, Tuple
 
 import cv2
 import numpy as np
@@ -131,18 +131,6 @@ class Chain:
                 self._receive()
         finally:
             self.close()
-
-    def watch(self, duration_s: float, done: Callable[[], bool] = lambda: False) -> Dict[str, int]:
-        """Read all topics for a time; return how many messages each node has sent."""
-        self._begin()
-        end = time.monotonic() + duration_s
-        try:
-            while time.monotonic() < end and not done():
-                self._connect()
-                self._receive()
-        finally:
-            self.close()
-        return {each.node: count for each, count in self._arrived.items()}
 
     def close(self) -> None:
         """Close all subscriptions."""
