@@ -144,7 +144,7 @@ def _value(prefix, words):
 
 def main():
     """Run the command line; return the exit code."""
-    parser = programs.parser('respawn.py', __doc__.partition('\n\nThe node')[0],
+    parser = programs.parser('respawn.py', __doc__,
                              formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument('--required', action='store_true',
                         help='end the demo with a node that is not started again')
