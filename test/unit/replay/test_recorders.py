@@ -35,12 +35,12 @@ class BagFile(io.BytesIO):
 
 
 @functools.lru_cache(maxsize=None)
-def replayed(start_ns=0, seen=PICTURE, world='turtlebot3_world', **odometry):
+def replayed(start_ns=0, seen=PICTURE, **odometry):
     """Return bag, table and picture as bytes, and a log."""
     settings, log = with_colors()(), EventLog()
     bag_file, csv_file, png_file = BagFile(), io.BytesIO(), io.BytesIO()
     plot = PlotRecorder(settings.colors)
-    simulator = robots.simulator(world, -2.0, -0.5,
+    simulator = robots.simulator('turtlebot3_world', -2.0, -0.5,
                                  odometry=robots.burgers('odometry', **odometry))
     bag = BagRecorder(bag_file, settings.color_names, simulator.vehicles[0].settings.sensors)
     recognition = ColorRecognition(settings)
