@@ -199,24 +199,24 @@ KNOWN_PLUGINS = ('gazebo_ros_diff_drive', 'gazebo_ros_skid_steer', 'gazebo_ros_p
                  'gazebo_ros_bumper', 'gazebo_ros_imu')
 PLUGIN_NAMES = frozenset("""
     Cx CxPrime Cy accelDrift accelGaussianNoise alwaysOn autoDistortion baseline bodyName
-    borderCrop broadcastTF bumperTopicName cameraInfoTopicName cameraName cmdTimeout commandTopic covariance_x
-    covariance_y covariance_yaw depthImageCameraInfoTopicName depthImageInfoTopicName
-    depthImageTopicName distortionK1 distortionK2 distortionK3 distortionT1 distortionT2
-    distortion_k1 distortion_k2 distortion_k3 distortion_t1 distortion_t2 focalLength fov frameName
-    gaussianNoise hackBaseline headingDrift headingGaussianNoise hokuyoMinIntensity imageTopicName
-    imu initialOrientationAsReference jointName leftFrontJoint leftJoint leftRearJoint legacyMode
-    normalsTopicName odometryFrame odometryRate odometrySource odometryTopic pointCloudCutoff
-    pointCloudCutoffMax pointCloudTopicName publishOdomTF publishTf publishWheelJointState
-    publishWheelTF publishWheelTf radiation rangeMax rateDrift rateGaussianNoise reduceNormals
-    reflectanceTopicName rightFrontJoint rightJoint rightRearJoint robotBaseFrame robotNamespace
-    rosDebugLevel rpyOffset rpyOffsets serviceName tfPrefix topicName torque triggerTopicName
-    updateRate updateRateHZ wheelAcceleration wheelDiameter wheelSeparation wheelTorque xyzOffset
-    xyzOffsets
-    always_on camera_name command_topic frame_name hack_baseline
-    initial_orientation_as_reference left_joint max_depth max_wheel_acceleration max_wheel_torque
-    min_depth num_wheel_pairs odometry_frame odometry_rate odometry_source odometry_topic
-    output_type publish_odom publish_odom_tf publish_rate publish_wheel_tf right_joint
-    robot_base_frame ros update_rate wheel_diameter wheel_separation""".split())
+    borderCrop broadcastTF bumperTopicName cameraInfoTopicName cameraName cmdTimeout
+    commandTopic covariance_x covariance_y covariance_yaw depthImageCameraInfoTopicName
+    depthImageInfoTopicName depthImageTopicName distortionK1 distortionK2 distortionK3
+    distortionT1 distortionT2 distortion_k1 distortion_k2 distortion_k3 distortion_t1
+    distortion_t2 focalLength fov frameName gaussianNoise hackBaseline headingDrift
+    headingGaussianNoise hokuyoMinIntensity imageTopicName imu initialOrientationAsReference
+    jointName leftFrontJoint leftJoint leftRearJoint legacyMode normalsTopicName odometryFrame
+    odometryRate odometrySource odometryTopic pointCloudCutoff pointCloudCutoffMax
+    pointCloudTopicName publishOdomTF publishTf publishWheelJointState publishWheelTF
+    publishWheelTf radiation rangeMax rateDrift rateGaussianNoise reduceNormals
+    reflectanceTopicName rightFrontJoint rightJoint rightRearJoint robotBaseFrame
+    robotNamespace ros rosDebugLevel rpyOffset rpyOffsets serviceName tfPrefix topicName torque
+    triggerTopicName updateRate updateRateHZ wheelAcceleration wheelDiameter wheelSeparation
+    wheelTorque xyzOffset xyzOffsets always_on camera_name command_topic frame_name
+    hack_baseline initial_orientation_as_reference left_joint max_depth max_wheel_acceleration
+    max_wheel_torque min_depth num_wheel_pairs odometry_frame odometry_rate odometry_source
+    odometry_topic output_type publish_odom publish_odom_tf publish_rate publish_wheel_tf
+    right_joint robot_base_frame update_rate wheel_diameter wheel_separation""".split())
 # in the file names of the plugins of a <model> that are simulated
 MODEL_PLUGINS = ('gazebo_ros_diff_drive', 'gazebo_ros_skid_steer_drive', 'gazebo_ros_planar_move',
                  'force_based_move', 'gazebo_ros_kobuki', 'gazebo_ros_joint_state_publisher',
