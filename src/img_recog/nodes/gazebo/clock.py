@@ -8,14 +8,15 @@ from img_recog.ros.master import master
 from img_recog.ros.transport import own_time
 from img_recog.ros.transport.direct_publisher import DirectPublisher
 from img_recog.simulation.pacing import Pace
+from img_recog.simulation.simulator import Simulator
 
 
 class SimulatedClock:
     """Publishes /clock (rosgraph_msgs/Clock) and ~real_time_factor (std_msgs/Float64)."""
 
-    def __init__(self, pace: Pace):
+    def __init__(self, simulator: Simulator, pace: Pace):
         """Advertise; log a warning if another node publishes /clock."""
-        self._pace = pace
+        self._simulator, self._pace = simulator, pace
         self._times, self._msg = DirectPublisher('/clock', Clock, latch=True), Clock()
         self._factors = rospy.Publisher('~real_time_factor', Float64, queue_size=1, latch=True)
         name = rospy.get_name()
@@ -24,11 +25,15 @@ class SimulatedClock:
             rospy.logwarn('/clock has another publisher, %s: two simulations mix up time, tf and '
                           'odometry; stop one of them', ', '.join(others))
 
-    def publish(self, time_s: float) -> None:
-        """Set the time of this node, and publish it."""
-        now = self._msg.clock = robot_msgs.stamp_of(time_s)
+    def add(self) -> None:
+        """Set the time of this node, and let the next flush publish it."""
+        now = self._msg.clock = robot_msgs.stamp_of(self._simulator.time_s)
         own_time.set_time(now)
-        self._times.publish(self._msg)
+        self._times.add(self._msg)
+
+    def flush(self) -> None:
+        """Publish the times that were added."""
+        self._times.flush()
 
     def count(self, simulated_s: float) -> None:
         """Count simulated time; once a second publish the real time factor."""

@@ -96,7 +96,7 @@ class Gazebo:
         self._pace = Pace(physics.real_time_factor)
         if stepping.paused:
             self._pace.pause()
-        self._clock = SimulatedClock(self._pace)
+        self._clock = SimulatedClock(self._simulator, self._pace)
         self._calls = ServiceCalls()
         serve_physics(self._calls, {
             'pause_physics': self._pace.pause, 'unpause_physics': self._pace.unpause,
@@ -188,18 +188,17 @@ class Gazebo:
         if self._stepping.end is not None:
             end = min(end, self._stepping.end)
         end = self._waiting.end_of(end)
-        readings, times = [], []
+        readings = []
         while self._simulator.steps < end:
             steps = self._simulator.steps
             readings += self._simulator.advance(
                 min(self._clock_steps - steps % self._clock_steps, end - steps))
-            times.append(self._simulator.time_s)
+            self._clock.add()
             for states in self._states:
                 states.update()
         self._waiting.finish()
         # the clock first, so that no reading is stamped in the future
-        for time_s in times:
-            self._clock.publish(time_s)
+        self._clock.flush()
         self._waiting.expect(readings)
         self._images.draw(readings, lambda: self._robots.publish(readings))
         self._diagnostics.steps.add(
@@ -247,7 +246,8 @@ class Gazebo:
         self._simulator.reset_simulation()
         self._stepping.finish()
         # at once: while the physics is paused, no step publishes it
-        self._clock.publish(self._simulator.time_s)
+        self._clock.add()
+        self._clock.flush()
 
 
 def main() -> int:

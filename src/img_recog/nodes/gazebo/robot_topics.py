@@ -35,11 +35,11 @@ class _Output:
         self.publisher = publisher
         self._to_msg, self._settings, self._msg = kind.to_msg, settings, None
 
-    def publish(self, reading: Reading) -> Any:
-        """Publish the message of a reading, and return it."""
+    def add(self, reading: Reading) -> Any:
+        """Add the message of a reading to those that are published next, and return it."""
         self._msg = self._to_msg(reading.value, self._settings,
                                  robot_msgs.stamp_of(reading.time_s), self._msg)
-        self.publisher.publish(self._msg)
+        self.publisher.add(self._msg)
         return self._msg
 
 
@@ -59,12 +59,16 @@ class Transforms:
     def separate(self, transform: TransformStamped) -> None:
         """Call before a transform is changed: what was added so far is a message."""
         if any(each is transform for each in self._waiting):
-            self.publish()
+            self._serialize()
 
-    def publish(self) -> None:
+    def flush(self) -> None:
         """Publish what was added."""
+        self._serialize()
+        self._publisher.flush()
+
+    def _serialize(self) -> None:
         if self._waiting:
-            self._publisher.publish(TFMessage(self._waiting))
+            self._publisher.add(TFMessage(self._waiting))
             self._waiting = []
 
 
@@ -103,11 +107,14 @@ class SensorTopics:
     def publish(self, readings: Sequence[Reading]) -> None:
         """Publish readings of the sensors, in order of time."""
         for reading in readings:
-            self._publish(reading)
+            self._add(reading)
+        # several messages of a topic together
+        for publisher in self._publishers.values():
+            publisher.flush()
 
-    def _publish(self, reading: Reading) -> Any:
-        """Publish the message of a reading, and return it."""
-        return self._outputs[reading.sensor].publish(reading)
+    def _add(self, reading: Reading) -> Any:
+        """Add the message of a reading to those that are published next, and return it."""
+        return self._outputs[reading.sensor].add(reading)
 
     def close(self) -> None:
         """End the topics."""
@@ -194,12 +201,12 @@ class RobotTopics(SensorTopics):
         super().publish(readings)
         self._counts.readings.add(len(readings))
 
-    def _publish(self, reading: Reading) -> Any:
+    def _add(self, reading: Reading) -> Any:
         is_pose = reading.sensor == 'odometry'
         if is_pose:
             # it shares its header with the message, which is changed now
             self._transforms.separate(self._transform)
-        msg = super()._publish(reading)
+        msg = super()._add(reading)
         if is_pose:
             self._log_motion_change(reading)
             if self.vehicle.odometry.publish_odom_tf:

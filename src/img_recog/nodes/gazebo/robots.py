@@ -184,7 +184,7 @@ class Robots:
                 found[reading.robot].append(reading)
         for topics in self._all():
             topics.publish(found[topics.carrier.robot.name])
-        self._transforms.publish()
+        self._transforms.flush()
 
     def scale_timeouts(self, scale: float) -> None:
         """Make `cmd_vel_timeout` of all robots, also later ones, `scale` times as long."""

@@ -9,7 +9,8 @@ Names that are used
         `impl` of a Publisher: connections, seq.
     outbox.py
         `impl` of a Publisher: c_lock, connections; add_connection, which is replaced. A
-        connection's socket, close, stat_bytes, stat_num_msg; write_data, which is replaced.
+        connection's socket, close, stat_bytes, stat_num_msg; write_data, which is replaced, and
+        `outbox`, which is added.
     image_subscriber.py
         `impl` of a Subscriber: c_lock, connections, callbacks, statistics_logger, add_callback,
         _invoke_callback; add_connection, which is replaced. A connection's endpoint_id, header,

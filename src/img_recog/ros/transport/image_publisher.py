@@ -11,7 +11,7 @@ from sensor_msgs.msg import Image, PointCloud2
 from std_msgs.msg import Header
 
 from img_recog.ros.transport import memory
-from img_recog.ros.transport.outbox import advertise, send
+from img_recog.ros.transport.outbox import Packet, advertise, send
 from img_recog.ros.transport.redelivery import Redelivery
 from img_recog.ros.transport.switch import is_plain
 
@@ -82,7 +82,7 @@ class LargePublisher:
         view[:len(head)], view[len(head) + size:] = head, tail
         draw(self._data[len(head):len(head) + size].reshape(shape))
         sent = self._data[:]
-        packet, self._sent = sent.data, weakref.ref(sent)
+        packet, self._sent = Packet(sent.data), weakref.ref(sent)
         del sent        # only the packet has it
         if self._redelivery is None:
             send(packet, topic.connections)

@@ -4,7 +4,7 @@ import socket
 import threading
 import warnings
 from queue import Empty, SimpleQueue
-from typing import Iterable, Optional, Tuple, Union
+from typing import Callable, Iterable, NamedTuple, Optional, Tuple, Union
 
 import rospy
 from rospy.exceptions import TransportTerminated
@@ -15,7 +15,11 @@ from rospy.impl.tcpros_base import TCPROSTransport
 _IDLE_S = 1.0
 
 
-Packet = Union[bytes, memoryview]       # a message with its length, which must not change
+class Packet(NamedTuple):
+    """Bytes on their way to subscribers, which must not change; messages: how many they are."""
+
+    data: Union[bytes, memoryview]
+    messages: int = 1
 
 
 class Outbox:
@@ -36,11 +40,16 @@ class Outbox:
         self._begun: 'SimpleQueue[Tuple[Packet, int]]' = SimpleQueue()
         self._has_thread = False
 
-    def write_data(self, packet: Packet) -> bool:
+    def write_data(self, data: bytes) -> bool:
         """Send a message; replaces `write_data` of the connection.
 
         Raises an exception if the connection is closed.
         """
+        self.put(Packet(data))
+        return True
+
+    def put(self, packet: Packet) -> None:
+        """Send a packet. Raises an exception if the connection is closed."""
         sock = self._connection.socket
         if sock is None:
             raise TransportTerminated('connection closed')
@@ -48,12 +57,12 @@ class Outbox:
             with self._lock:
                 if self._is_behind:
                     self._newest = packet
-                    return True
+                    return
         count = 0
         with contextlib.suppress(BlockingIOError):
-            count = sock.send(packet, socket.MSG_DONTWAIT)
+            count = sock.send(packet.data, socket.MSG_DONTWAIT)
         self._count(packet)
-        if count < len(packet):
+        if count < len(packet.data):
             self._is_behind = True
             self._begun.put((packet, count))
             with self._lock:
@@ -61,12 +70,11 @@ class Outbox:
                     self._has_thread = True
                     threading.Thread(target=self._run, args=(sock,), name='outbox',
                                      daemon=True).start()
-        return True
 
     def _count(self, packet: Packet) -> None:
         """Count what is sent, for getBusStats of the node."""
-        self._connection.stat_bytes += len(packet)
-        self._connection.stat_num_msg += 1
+        self._connection.stat_bytes += len(packet.data)
+        self._connection.stat_num_msg += packet.messages
 
     def _run(self, sock: socket.socket) -> None:
         while True:
@@ -84,7 +92,7 @@ class Outbox:
         """Send a packet without its first bytes, and then the newest one, until there is none."""
         while packet is not None:
             try:
-                sock.sendall(memoryview(packet)[count:])
+                sock.sendall(memoryview(packet.data)[count:])
             except OSError:     # the connection is closed, by the subscriber or by us
                 _close(self._connection)
             with self._lock:
@@ -95,10 +103,14 @@ class Outbox:
             count = 0
 
 
-def advertise(name: str, data_class: type, latch: bool = False) -> rospy.Publisher:
+def advertise(name: str, data_class: type, latch: bool = False,
+              connect: Callable[[Callable[[], bool]], bool] = lambda add: add()
+              ) -> rospy.Publisher:
     """Return a publisher without queues, whose connections have an Outbox each.
 
     They have it before rospy sends them the latched message.
+    connect: is called for each new connection, with a function that adds it to the topic; returns
+    what this returns.
     """
     with warnings.catch_warnings():
         warnings.simplefilter('ignore', SyntaxWarning)      # about the missing queue
@@ -110,7 +122,7 @@ def advertise(name: str, data_class: type, latch: bool = False) -> rospy.Publish
 
             def add_connection(connection: TCPROSTransport) -> bool:
                 _give_outbox(connection)
-                return ordinary(connection)
+                return connect(lambda: ordinary(connection))
             topic.add_connection = add_connection
             for connection in topic.connections:
                 _give_outbox(connection)
@@ -121,13 +133,14 @@ def send(packet: Packet, connections: Iterable[TCPROSTransport]) -> None:
     """Send a packet to connections of a publisher of `advertise`; close those that fail."""
     for connection in connections:
         try:
-            connection.write_data(packet)
+            connection.outbox.put(packet)
         except (OSError, TransportTerminated):      # like rospy
             _close(connection)
 
 
 def _give_outbox(connection: TCPROSTransport) -> None:
-    connection.write_data = Outbox(connection).write_data
+    connection.outbox = Outbox(connection)
+    connection.write_data = connection.outbox.write_data
 
 
 def _close(connection: TCPROSTransport) -> None:

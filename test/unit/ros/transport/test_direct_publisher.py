@@ -40,11 +40,19 @@ def test_all_subscribers_get_each_message(way, name, publisher, subscribe):
             assert end.receive() == packet(text(number))
 
 
+def send_together(publisher, *messages):
+    for msg in messages:
+        publisher.add(msg)
+    publisher.flush()
+
+
 def test_a_new_subscriber_gets_the_latched_message(way, name, subscribe):
     publisher = DirectPublisher(name, String, latch=True)
     for number in range(2):
         publisher.publish(text(number))
         assert subscribe(name, String).receive() == packet(text(number))
+    send_together(publisher, text(2), text(3))
+    assert subscribe(name, String).receive() == packet(text(3))
 
 
 def test_a_subscriber_that_does_not_read_does_not_block_others(way, name, publisher, subscribe):
@@ -158,7 +166,9 @@ def test_a_topic_that_rospy_closes_meanwhile(fast, name, publisher, subscribe):
     publisher.publish(text(1))                  # it finds that the subscriber is gone
     publisher.publish(text(2))
     assert publisher.get_num_connections() == 0
+    publisher.add(text(3))
     topic.closed, topic.publock = True, None
+    publisher.flush()
     with pytest.raises(rospy.ROSException):     # which ends a node quietly
         publisher.publish(text(4))
 
@@ -194,24 +204,67 @@ def test_descriptors_above_1023(fast, name, publisher, subscribe, high):
     end.transport.socket.close()
 
 
-def test_messages_that_are_sent_are_counted(fast, name, publisher, subscribe):
+def test_several_messages_at_once(way, name, publisher, subscribe):
+    send_together(publisher, text(0), text(1))
+    ends = [subscribe(name, String) for _ in range(2)]
+    send_together(publisher, text(2), text(3), text(4))
+    publisher.publish(text(5))
+    for end in ends:
+        assert [end.receive() for _ in range(4)] == [packet(text(number)) for number in
+                                                     (2, 3, 4, 5)]
+
+
+def test_messages_that_are_sent_together_are_counted(fast, name, publisher, subscribe):
     end = subscribe(name, String)
+    send_together(publisher, *map(text, range(3)))
+    publisher.publish(text(3))
     for number in range(4):
-        publisher.publish(text(number))
         assert end.receive() == packet(text(number))
     connection, = impl_of(name).connections
     assert connection.stat_num_msg == 4
     assert connection.stat_bytes == sum(len(packet(text(number))) for number in range(4))
 
 
+def test_a_message_may_be_changed_after_it_was_added(way, name, publisher, subscribe):
+    end, msg = subscribe(name, String), String()
+    for number in range(3):
+        msg.data = text(number).data
+        publisher.add(msg)
+    msg.data = 'not sent'
+    publisher.flush()
+    publisher.flush()
+    assert [end.receive() for _ in range(3)] == [packet(text(number)) for number in range(3)]
+
+
 def test_a_message_that_cannot_be_serialized_leaves_the_others_whole(fast, name, publisher,
                                                                      subscribe):
     end = subscribe(name, String)
-    publisher.publish(text(1))
+    publisher.add(text(1))
     with pytest.raises(UnicodeEncodeError):
         publisher.publish(String('\udcff'))
     publisher.publish(text(2))
     assert [end.receive() for _ in range(2)] == [packet(text(1)), packet(text(2))]
+
+
+def test_messages_are_sent_when_flush_or_publish_returns(fast, name, publisher, subscribe):
+    end = subscribe(name, String)
+    end.sock.setblocking(False)
+    publisher.add(text(1))
+    assert end.is_idle()
+    publisher.flush()
+    assert end.sock.recv(1 << 16) == packet(text(1))
+    publisher.publish(text(2))
+    assert end.sock.recv(1 << 16) == packet(text(2))
+
+
+def test_a_latched_message_that_is_changed_later_is_latched_as_it_was(fast, name, subscribe):
+    publisher, msg = DirectPublisher(name, Imu, latch=True), Imu()
+    for number in range(2):
+        msg.header.frame_id = 'frame {}'.format(number)
+        publisher.publish(msg)
+        msg.header.frame_id = 'not published'
+        latched = Imu().deserialize(subscribe(name, Imu).receive()[4:])
+        assert latched.header.frame_id == 'frame {}'.format(number)
 
 
 def test_a_message_that_cannot_be_serialized_is_not_latched(fast, name, subscribe):
@@ -222,11 +275,45 @@ def test_a_message_that_cannot_be_serialized_is_not_latched(fast, name, subscrib
     assert subscribe(name, String).receive() == packet(text(1))
 
 
+def test_a_message_that_is_published_while_a_subscriber_connects_comes_once(fast, name,
+                                                                            subscribe):
+    publisher = DirectPublisher(name, String, latch=True)
+    publisher.publish(text(0))
+    topic = impl_of(name)
+    other = threading.Thread(target=publisher.publish, args=(text(1),), daemon=True)
+
+    class Listener(rospy.SubscribeListener):
+        """rospy calls it after it has added a connection and before the latched message."""
+
+        def peer_subscribe(self, *_):
+            if not other.ident:
+                other.start()
+                other.join(0.2)
+    topic.add_subscriber_listener(Listener())
+    end = subscribe(name, String)
+    other.join(DEADLINE_S)
+    assert [end.receive() for _ in range(2)] == [packet(text(0)), packet(text(1))]
+    assert end.is_idle()
+
+
+def test_what_was_added_before_a_subscriber_connects_comes_once(fast, name, subscribe):
+    publisher = DirectPublisher(name, String, latch=True)
+    before = subscribe(name, String)
+    publisher.add(text(0))
+    publisher.add(text(1))
+    new = subscribe(name, String)
+    publisher.flush()
+    publisher.publish(text(2))
+    assert [before.receive() for _ in range(3)] == [packet(text(number)) for number in range(3)]
+    assert [new.receive() for _ in range(2)] == [packet(text(1)), packet(text(2))]
+
+
 def test_headers_are_counted(way, name, subscribe):
     publisher = DirectPublisher(name, Imu)
     end = subscribe(name, Imu)
+    send_together(publisher, Imu(), Imu())
+    publisher.publish(Imu())
     for seq in (1, 2, 3):
-        publisher.publish(Imu())
         assert Imu().deserialize(end.receive()[4:]).header.seq == seq
 
 
