@@ -20,7 +20,8 @@ def follows_clock_topic() -> bool:
 def set_time(now: genpy.Time) -> None:
     """Set the time of this node. Other nodes get it from /clock.
 
-    If the simulator subscribes to its own /clock, a step takes 11 % (-2 % to 21 %) more CPU time.
+    If the simulator subscribes to its own /clock, a step takes 10 % (3 % to 15 %) more CPU time,
+    and 5 % (1 % to 15 %) while all its topics are subscribed.
     """
     if not follows_clock_topic():
         condition = rospy.rostime._rostime_cond
