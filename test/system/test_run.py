@@ -98,7 +98,7 @@ def test_a_failed_test_is_reported(checkout, env):
     assert '\nFAILED pytest-system.xml: test_tiny_fails\n1 passed, 1 failed, 0 skipped\n' \
         in output, output
     code, output = run(checkout, env, 'test', 'unit', 'system', '-k',
-                       'tiny_passes or stop_once_when_no_color')
+                       'tiny_passes or other_settings_apply_at_once')
     assert code == 0, output
     assert output.endswith('\n2 passed, 0 failed, 0 skipped\n'), output
     code, output = run(checkout, env, 'test', '-k', 'tiny_passes')
