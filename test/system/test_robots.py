@@ -71,6 +71,12 @@ def test_robots_that_fail_do_not_keep_the_others_out(shared_ros, several):
         shared_ros.set_parameters(name)
 
 
+def test_a_robot_without_a_place_does_not_take_that_of_another(several):
+    node = several({'a': {}, 'b': {'x_pos': 0.0, 'y_pos': 0.0}}, '_x_pos:=0.0', '_y_pos:=0.0')
+    node.wait_output('simulating 2 robots')
+    node.wait_output('robot b is at the start: x 0.00 m, y 0.00 m')
+
+
 def test_robots_are_added_removed_and_changed_while_it_runs(shared_ros, several):
     services = ServiceCalls(shared_ros)
     node = several({'a': {'x_pos': 1.0}, 'b': {}})

@@ -1,7 +1,7 @@
 """Reads what robots are made from: their URDF and their parameters."""
 from dataclasses import dataclass
 from functools import partial
-from typing import Any, List, Sequence, Tuple
+from typing import Any, Collection, List, Sequence, Tuple
 
 import rosgraph
 import rospy
@@ -55,6 +55,7 @@ class RobotReader:
     def names(self) -> List[str]:
         """Return the names of the robots in ~robots, tb3_2 before tb3_10.
 
+        Those that have a place come first: the others search one that is free.
         Raises ParameterError when that is no mapping.
         """
         robots = parameters.value(ROBOTS)
@@ -62,7 +63,8 @@ class RobotReader:
             raise ParameterError(
                 'parameter {}: got {}, wants a mapping of robots, like {{tb3_0: {{x_pos: 1.0}}}}'
                 .format(rospy.resolve_name(ROBOTS), shortened(repr(robots))))
-        return sorted(robots or {}, key=_natural)
+        places = {name for name, values in (robots or {}).items() if _has_place(values)}
+        return sorted(robots or {}, key=lambda name: (name not in places, *_natural(name)))
 
     def snapshot(self, name: str) -> Tuple[Any, ...]:
         """Return what differs when the robot is to be read again."""
@@ -98,7 +100,7 @@ class RobotReader:
             rospy.resolve_name(described) if has_urdf else 'robot_description',
             names_of(name, name), namespace)
         return (spec if 'seed' in own else spec.with_own_noise())._replace(
-            has_place='x_pos' in own or 'y_pos' in own)
+            has_place=_has_place(own))
 
     def is_robot(self, text: str, namespace: str) -> bool:
         """Return whether a model is a URDF of a robot that drives.
@@ -172,6 +174,10 @@ def robot_settings_classes() -> Sequence[type]:
     """Return the classes of all parameters that a robot reads."""
     return [SpawnSettings, DriveSettings, NoiseSettings, CameraSettings,
             *(kind.settings for kind in SENSORS if not kind.only_in_tags)]
+
+
+def _has_place(values: Any) -> bool:
+    return isinstance(values, Collection) and ('x_pos' in values or 'y_pos' in values)
 
 
 def _natural(name: str) -> Tuple[str, int, str]:
