@@ -20,7 +20,7 @@ from img_recog.rendering import matrices
 from img_recog.rendering.camera import Camera
 from img_recog.rendering.opengl import Renderer
 from img_recog.replay import scenario
-from img_recog.simulation.physics.body import Pose
+from img_recog.simulation.physics.body import BodyPose
 from img_recog.simulation.physics.client import connect
 from img_recog.simulation.pictures import visual_scene
 from img_recog.simulation.pictures.scene import Scene, SceneCopy, poses_of
@@ -37,7 +37,7 @@ class Moment(NamedTuple):
 
     camera_pose: np.ndarray
     parts: np.ndarray
-    bodies: Sequence[Pose]
+    bodies: Sequence[BodyPose]
 
 
 class Drive(NamedTuple):
@@ -83,7 +83,7 @@ def egl(drive: Drive, camera: Camera) -> Draw:
             plugin.origin, '_eglRendererPlugin', physicsClientId=client) < 0:
         sys.exit(1)
     scene = SceneCopy(drive.scene, client, floor=True)
-    projection = matrices.perspective(camera.window, camera.near, camera.far)
+    projection = matrices.perspective(camera.edges, camera.near, camera.far)
 
     def draw(moment: Moment) -> np.ndarray:
         scene.place(moment.bodies)

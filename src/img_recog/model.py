@@ -323,7 +323,7 @@ class Gear(NamedTuple):
     ratio: float
 
 
-class Frame(NamedTuple):
+class AttachedFrame(NamedTuple):
     """Where something is: its constant `pose` in a link."""
 
     link: str
@@ -354,7 +354,7 @@ class Model:
     name: str
     links: Tuple[Link, ...]
     joints: Tuple[Joint, ...] = ()
-    frames: Mapping[str, Frame] = field(default_factory=dict)
+    frames: Mapping[str, AttachedFrame] = field(default_factory=dict)
     surfaces: Mapping[str, Sequence[str]] = field(default_factory=dict)
     tags: Tuple[Tag, ...] = ()
     missing_meshes: Tuple[str, ...] = ()

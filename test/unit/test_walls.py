@@ -41,7 +41,7 @@ def test_only_lifecycle_uses_shutdown_hooks_of_rospy():
     ('camera/deeper/a.py', 'import rospy', 'camera runs without a node'),
     ('recognition/deeper/a.py', 'from img_recog.camera import urls', 'recognition may use'),
     ('simulation/deeper/a.py', 'from img_recog import rendering', 'simulation may use'),
-    ('rendering/a.py', 'from img_recog.simulation.physics.body import Pose', 'rendering may use'),
+    ('rendering/a.py', 'from img_recog.simulation.physics.body import Body', 'rendering may use'),
     ('rendering/a.py', 'import pybullet', 'may use pybullet'),
     ('formats/a.py', 'import pybullet', 'may use pybullet'),
     ('simulation/a.py', 'import pybullet', 'may use pybullet'),

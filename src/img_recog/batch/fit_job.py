@@ -26,7 +26,7 @@ from img_recog.recordings.frames import Remarks
 _log = logging.getLogger('fit_colors.py')
 
 
-class Recorded(NamedTuple):
+class RecordingPart(NamedTuple):
     """A part of a recording; path: of the recording."""
 
     path: str
@@ -97,16 +97,16 @@ class _Fitting:
         return report.write(chosen, measured, histograms,
                             recorded.not_used(self._engine.problems, self._said))
 
-    def _divided(self) -> List[Recorded]:
+    def _divided(self) -> List[RecordingPart]:
         max_pixels = self._options.max_image_pixels
         divided = self._engine.run(recorded.divide, [
             Piece(path, (self._options.topic, max_pixels), (os.path.abspath(path),))
             for path in self._paths], ' recordings')
-        return [Recorded(piece.key, Source(part, found.start_ns, tuple(self._sets), tuple(
+        return [RecordingPart(piece.key, Source(part, found.start_ns, tuple(self._sets), tuple(
             each.of(piece.key) for each in self._sets), max_pixels))
             for piece, found in divided for part in found.parts]
 
-    def _stage(self, function: Any, parts: Sequence[Recorded], arguments: Tuple[Any, ...]
+    def _stage(self, function: Any, parts: Sequence[RecordingPart], arguments: Tuple[Any, ...]
                ) -> Results:
         # workers of a cluster are in other folders
         return self._engine.run(function, [

@@ -46,7 +46,7 @@ class Counted(NamedTuple):
     error: str = ''
 
 
-class Measured(NamedTuple):
+class MeasuredPart(NamedTuple):
     """The measurements of a part: a row for each frame, in the order of their numbers.
 
     frames: int64, their numbers; times_s: float, from the first frame.
@@ -82,7 +82,7 @@ def count(paths: Sequence[str], source: Source) -> Counted:
 
 
 def measure(paths: Sequence[str], source: Source, candidates: Sequence[Mapping[str, Any]],
-            sizes: Sequence[int]) -> Measured:
+            sizes: Sequence[int]) -> MeasuredPart:
     """Measure the frames of a part by each of the candidates, for each least size of blobs.
 
     candidates: parameters of the same colors, with a min_blob_size of 0.
@@ -108,8 +108,8 @@ def measure(paths: Sequence[str], source: Source, candidates: Sequence[Mapping[s
         len(extractors), colors, len(sizes), 3), (len(extractors), colors, len(sizes))
     kinds = np.int64, float, np.int8, np.int8, bool, np.int32, np.int32
     columns = list(zip(*rows)) if rows else [()] * len(shapes)
-    return Measured(*(np.array(column, kind).reshape((len(rows), *shape))
-                      for column, kind, shape in zip(columns, kinds, shapes)))
+    return MeasuredPart(*(np.array(column, kind).reshape((len(rows), *shape))
+                          for column, kind, shape in zip(columns, kinds, shapes)))
 
 
 def _labelers(source: Source) -> List[Labeler]:

@@ -7,7 +7,7 @@ import cv2
 from img_recog import files
 from img_recog.batch.engine import Results
 from img_recog.batch.fit_pieces import CHECK, FIT
-from img_recog.batch.fit_result import Choice, Statistics, Worst
+from img_recog.batch.fit_result import ColorLimit, Statistics, Worst
 from img_recog.batch.fit_settings import BaseSettings, as_yaml, settings_of
 from img_recog.batch.work import Piece
 from img_recog.command_line import results
@@ -54,7 +54,7 @@ class Chosen(NamedTuple):
     values: the parameters; lines: how good they are; frames: how many were measured.
     """
 
-    choices: Sequence[Choice]
+    choices: Sequence[ColorLimit]
     fits: Dict[str, Fit]
     size_index: int
     values: Dict[str, Any]
@@ -110,7 +110,7 @@ class Report:
             line.color, described(chosen.fits[line.color].box), _percent(line))
             for line in results_of), ', '.join(self.paths)])
 
-    def _lines(self, base: BaseSettings, statistics: Statistics, choices: Sequence[Choice],
+    def _lines(self, base: BaseSettings, statistics: Statistics, choices: Sequence[ColorLimit],
                size: int, before: int) -> List[Line]:
         lines = []
         for number, (color, choice) in enumerate(zip(self._colors, choices)):

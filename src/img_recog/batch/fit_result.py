@@ -3,7 +3,7 @@ from typing import Dict, List, NamedTuple, Sequence, Tuple
 
 import numpy as np
 
-from img_recog.batch.fit_pieces import CHECK, FIT, Measured
+from img_recog.batch.fit_pieces import CHECK, FIT, MeasuredPart
 from img_recog.recognition.fitting.limits import Areas, Limit, best_size
 from img_recog.recognition.fitting.score import Score
 
@@ -11,7 +11,7 @@ _WORST = 2      # frames of each color
 _WIDE_GAP = 100.0       # between areas; wider ones are not better
 
 
-class Choice(NamedTuple):
+class ColorLimit(NamedTuple):
     """What was chosen for a color: number of the candidate, and its area limit."""
 
     candidate: int
@@ -40,7 +40,7 @@ class Statistics:
         self._pixels = np.zeros((2, 2, candidates, colors, len(sizes), 3), np.int64)
         self._frames = np.zeros((2, 2, colors), np.int64)
 
-    def add(self, measured: Measured) -> None:
+    def add(self, measured: MeasuredPart) -> None:
         """Count the frames of a part."""
         self.frames += len(measured.frames)
         for chosen in (FIT, CHECK):
@@ -59,13 +59,13 @@ class Statistics:
                         self._of(int(chosen), candidate, color, number).add(int(area),
                                                                             bool(in_view))
 
-    def choose(self, candidates: int, by_times: Sequence[bool]) -> Tuple[int, List[Choice]]:
+    def choose(self, candidates: int, by_times: Sequence[bool]) -> Tuple[int, List[ColorLimit]]:
         """Return the best blob size, and the best of the first `candidates` for each color.
 
         by_times: for each color, whether only times are known; then gaps count, too.
         """
-        choices = {size: [max((Choice(candidate, self._of(FIT, candidate, color, number).limit())
-                               for candidate in range(candidates)),
+        choices = {size: [max((ColorLimit(each, self._of(FIT, each, color, number).limit())
+                               for each in range(candidates)),
                               key=lambda choice: (choice.limit.score.f1, min(
                                   choice.limit.gap, _WIDE_GAP if is_by_times else 0)))
                           for color, is_by_times in enumerate(by_times)]
@@ -96,11 +96,11 @@ class Statistics:
 class Worst:
     """The frames of each color with the most wrong pixels."""
 
-    def __init__(self, choices: Sequence[Choice], size_index: int):
+    def __init__(self, choices: Sequence[ColorLimit], size_index: int):
         self._choices, self._size_index = choices, size_index
         self._frames: List[List[WorstFrame]] = [[] for _ in choices]
 
-    def add(self, source: int, measured: Measured) -> None:
+    def add(self, source: int, measured: MeasuredPart) -> None:
         """Look at the frames with samples of a part.
 
         Of one without labeled pixels, it counts by how much its area is too small.

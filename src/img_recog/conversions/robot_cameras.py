@@ -6,7 +6,7 @@ import numpy as np
 from img_recog.camera.calibration import Calibration
 from img_recog.rendering import lens_views, rays, renderer
 from img_recog.rendering.camera import Camera
-from img_recog.rendering.light import Light
+from img_recog.rendering.light import LightFilter
 from img_recog.rendering.noise import PixelNoise
 from img_recog.rendering.server import Shot
 from img_recog.simulation.assembly import Assembly
@@ -61,7 +61,7 @@ class Drawing:
         self.missing = self._renderer.load(visual_scene.read(built.scene, parts), parts.poses())
 
     def image(self, camera: DrawnCamera, exposure: Exposure, number: int,
-              light: Optional[Light] = None) -> np.ndarray:
+              light: Optional[LightFilter] = None) -> np.ndarray:
         """Return an image, uint8 RGB (height, width, 3); number: of its noise."""
         shot = camera.shot(exposure)
         image = lens_views.draw(self._renderer, shot.camera, shot.pose, exposure.poses)

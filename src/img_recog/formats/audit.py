@@ -5,10 +5,10 @@ import xml.etree.ElementTree as ElementTree
 from typing import Dict, Iterable, Iterator, List, Mapping, NamedTuple, Optional, Sequence, Tuple
 
 from img_recog.formats.elements import (ATTRIBUTES, KNOWN_PLUGINS, MODEL_PLUGINS, NO_EFFECT,
-                                        NOT_SIMULATED, PLUGIN_NAMES, SDF, SIMULATED, URDF, Row)
+                                        NOT_SIMULATED, PLUGIN_NAMES, SDF, SIMULATED, URDF, Fates)
 
 NOT_KNOWN, NOT_USED, NOT_UNIQUE = 'not known', 'not used', 'not unique'
-_FORMATS: Mapping[str, Mapping[str, Row]] = {'sdf': SDF, 'robot': URDF}
+_FORMATS: Mapping[str, Mapping[str, Fates]] = {'sdf': SDF, 'robot': URDF}
 _UNIQUE = ('model', 'link', 'joint', 'visual', 'collision')     # by their names, in one parent
 _NAMED = ('model', 'link', 'joint')
 # of which an element can have several
@@ -113,14 +113,14 @@ def _parameters(plugin: ElementTree.Element, place: str) -> Iterator[_Found]:
 
 
 @functools.lru_cache(maxsize=None)
-def row_of(path: Tuple[str, ...]) -> Row:
+def row_of(path: Tuple[str, ...]) -> Fates:
     """Return the row of the longest end of a path, an empty one without; path: from the root."""
     ends = ('/'.join(path[start:]) for start in range(len(path)))
-    return next((_FORMATS[path[0]][end] for end in ends if end in _FORMATS[path[0]]), Row())
+    return next((_FORMATS[path[0]][end] for end in ends if end in _FORMATS[path[0]]), Fates())
 
 
 @functools.lru_cache(maxsize=None)
-def _fates(row: Row) -> Dict[str, Tuple[str, Optional[str]]]:
+def _fates(row: Fates) -> Dict[str, Tuple[str, Optional[str]]]:
     """Return what becomes of each child, what is drawn as simulated, and the value that changes
     nothing, if there is one, or _BOOLEAN.
     """

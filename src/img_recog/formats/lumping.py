@@ -13,8 +13,8 @@ from typing import Dict, List, Mapping, NamedTuple, Set, Tuple
 from img_recog.errors import SimulationError
 from img_recog.formats import inertias
 from img_recog.model import (CONTINUOUS, FIXED, NO_INERTIA, PART, PRISMATIC, REVOLUTE,
-                             Contact, Frame, Friction, Inertia, Joint, Light, Link, Look, Model,
-                             Solid)
+                             AttachedFrame, Contact, Friction, Inertia, Joint, Light, Link, Look,
+                             Model, Solid)
 from img_recog.rotations import IDENTITY
 
 _KINDS = (CONTINUOUS, FIXED, PRISMATIC, REVOLUTE)
@@ -64,7 +64,7 @@ def divided(model: Model) -> Model:
     """Return a model whose links stay as they are, but for shapes with another surface or bitmask
     than the first one of their link: those go to a link without mass, too."""
     lump = _Lump(model, {link.name: link for link in model.links},
-                 {link.name: Frame(link.name) for link in model.links})
+                 {link.name: AttachedFrame(link.name) for link in model.links})
     return dataclasses.replace(
         model, links=(*(link._replace(solids=tuple(lump.solids.get(link.name, ())))
                         for link in model.links), *lump.added_links()),
@@ -108,16 +108,16 @@ def _check_ancestors(name: str, parents: Dict[str, Joint]) -> None:
         ancestors.add(link)
 
 
-def _frame(name: str, tree: _Tree) -> Frame:
+def _frame(name: str, tree: _Tree) -> AttachedFrame:
     pose, carrier = IDENTITY, name
     while carrier in tree.parents and tree.parents[carrier].kind == FIXED:
         joint = tree.parents[carrier]
         pose = joint.pose @ pose
         carrier = joint.parent
-    return Frame(carrier, pose)
+    return AttachedFrame(carrier, pose)
 
 
-def _inertias(tree: _Tree, frames: Dict[str, Frame]) -> Dict[str, Inertia]:
+def _inertias(tree: _Tree, frames: Dict[str, AttachedFrame]) -> Dict[str, Inertia]:
     """Return the inertia of each lumped link, by its name."""
     sums: Dict[str, Inertia] = {}
     for name, frame in frames.items():
@@ -126,7 +126,7 @@ def _inertias(tree: _Tree, frames: Dict[str, Frame]) -> Dict[str, Inertia]:
     return sums
 
 
-def _leave_out(tree: _Tree, frames: Dict[str, Frame],
+def _leave_out(tree: _Tree, frames: Dict[str, AttachedFrame],
                sums: Dict[str, Inertia]) -> Tuple[List[str], List[str]]:
     """Remove the lumped links without mass, and what is joined to them, as Gazebo's SDFormat does.
 
@@ -162,7 +162,8 @@ class _Lump:
     of each of these links.
     """
 
-    def __init__(self, model: Model, links: Mapping[str, Link], frames: Mapping[str, Frame]):
+    def __init__(self, model: Model, links: Mapping[str, Link],
+                 frames: Mapping[str, AttachedFrame]):
         self.watched: Dict[str, List[str]] = {name: [] for name in model.surfaces}
         self._looks: Dict[str, List[Look]] = {frame.link: [] for frame in frames.values()}
         self._lights: Dict[str, List[Light]] = {frame.link: [] for frame in frames.values()}

@@ -15,8 +15,8 @@ from img_recog.formats.sdf_states import Starts
 from img_recog.formats.sdf_versions import Version
 from img_recog.formats.texts import is_true, name_of
 from img_recog.model import (CONTINUOUS, FIXED, HEIGHTMAP, NO_INERTIA, PLANE, PRISMATIC, REVOLUTE,
-                             Frame, Gear, Inertia, Joint, Light, Limits, Link, Look, Model, Solid,
-                             Tag, Tree)
+                             AttachedFrame, Gear, Inertia, Joint, Light, Limits, Link, Look, Model,
+                             Solid, Tag, Tree)
 from img_recog.rotations import IDENTITY, Transform
 
 BETWEEN_AXES = '::axis_'        # in the name of a link and a joint that stand for one of several
@@ -128,7 +128,7 @@ class _Builder:
         tags = tuple(Tag(link, self._given[link].element) for link in names
                      if self._given[link].element.find('sensor') is not None)
         model = Model(name, tuple(self._links), tuple(self._joints),
-                      {link: Frame(link, _relative(frames[link], self._given[link].pose))
+                      {link: AttachedFrame(link, _relative(frames[link], self._given[link].pose))
                        for link in names}, {tag.link: (tag.link,) for tag in tags}, tags,
                       warnings=tuple(self._warnings),
                       held=tuple(joint.name for joint in used if joint.kind == FIXED),

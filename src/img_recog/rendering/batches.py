@@ -78,7 +78,7 @@ class Loaded(NamedTuple):
     missing: List[str]
 
 
-class Loader:
+class SceneLoader:
     """Loads scenes, and keeps the textures of all.
 
     depth: the program that draws depths; to_clip is its uniform.

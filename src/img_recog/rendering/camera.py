@@ -5,7 +5,7 @@ from typing import NamedTuple, Optional, Union
 from img_recog.formats.lenses import AnyLens
 
 
-class Window(NamedTuple):
+class ImageEdges(NamedTuple):
     """The edges of the image of a pinhole camera, as slopes to its optical axis: x is to the
     right, y upward.
     """
@@ -34,7 +34,7 @@ class View(NamedTuple):
 
     width: int
     height: int
-    window: Window
+    edges: ImageEdges
     near: float
     far: float
 
@@ -55,15 +55,15 @@ class Camera(NamedTuple):
     lens: Optional[AnyLens] = None
 
     @property
-    def window(self) -> Window:
+    def edges(self) -> ImageEdges:
         """The edges of the image without the lens.
 
-        >>> [round(slope, 6) for slope in Camera(640, 480, 2 * math.atan(2)).window]
+        >>> [round(slope, 6) for slope in Camera(640, 480, 2 * math.atan(2)).edges]
         [-2.0, 2.0, -1.5, 1.5]
         """
         x = math.tan(self.horizontal_fov / 2)
         y = x * self.height / self.width
-        return Window(-x, x, -y, y)
+        return ImageEdges(-x, x, -y, y)
 
     @property
     def intrinsics(self) -> Intrinsics:

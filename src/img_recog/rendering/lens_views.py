@@ -10,7 +10,7 @@ from typing import Any, List, NamedTuple, Tuple
 import cv2
 import numpy as np
 
-from img_recog.rendering.camera import Camera, View, Window
+from img_recog.rendering.camera import Camera, View, ImageEdges
 from img_recog.rendering.rays import directions
 
 _MAX_SLOPE = 2.0            # what is nearer to the axis is drawn in one piece
@@ -100,9 +100,9 @@ def lookup_of(camera: Camera) -> Lookup:
             x, y = x / z, y / z
             depth_factors[here] = (seen[..., 2] / z)[here]
         view = _view(camera, x, y, here)
-        pixels = view.width / (view.window.right - view.window.left)
-        columns[here] = ((x - view.window.left) * pixels - 0.5)[here]
-        rows[here] = ((y + view.window.top) * pixels - 0.5 + row)[here]
+        pixels = view.width / (view.edges.right - view.edges.left)
+        columns[here] = ((x - view.edges.left) * pixels - 0.5)[here]
+        rows[here] = ((y + view.edges.top) * pixels - 0.5 + row)[here]
         faces.append(Face(view, _turn(number)))
         row += view.height
     return Lookup(faces, cv2.convertMaps(columns, rows, cv2.CV_16SC2), depth_factors)
@@ -111,7 +111,7 @@ def lookup_of(camera: Camera) -> Lookup:
 def _view(camera: Camera, x: np.ndarray, y: np.ndarray, here: np.ndarray) -> View:
     """Return the smallest view that shows pixels `here`, where x and y (downward) are slopes."""
     if not here.any():
-        return View(1, 1, Window(-1, 1, -1, 1), camera.near, camera.far)
+        return View(1, 1, ImageEdges(-1, 1, -1, 1), camera.near, camera.far)
     steps = np.concatenate([np.hypot(np.diff(x, axis=axis), np.diff(y, axis=axis))[both]
                             for axis, both in ((0, here[1:] & here[:-1]),
                                                (1, here[:, 1:] & here[:, :-1]))])
@@ -122,8 +122,8 @@ def _view(camera: Camera, x: np.ndarray, y: np.ndarray, here: np.ndarray) -> Vie
     pixels = min(pixels, getattr(camera.lens, 'texture_size', math.inf) / 2)
     width, height = (np.ceil((high - low) * pixels).astype(int) + 2 * _MARGIN_PX).tolist()
     left, top = (low - _MARGIN_PX / pixels).tolist()
-    return View(width, height, Window(left, left + width / pixels, -top - height / pixels, -top),
-                camera.near, camera.far)
+    edges = ImageEdges(left, left + width / pixels, -top - height / pixels, -top)
+    return View(width, height, edges, camera.near, camera.far)
 
 
 def _turn(number: int) -> np.ndarray:

@@ -24,7 +24,7 @@ class LightSettings(Settings):
     light_exposure: float = setting(1.0, between(0.01, 100))
 
 
-class Light:
+class LightFilter:
     """Changes rgb8 images in daylight into those in another light."""
 
     def __init__(self, settings: LightSettings):

@@ -5,7 +5,7 @@ import numpy as np
 
 from img_recog import rotations
 from img_recog.model import BODY_TO_OPENGL
-from img_recog.rendering.camera import Window
+from img_recog.rendering.camera import ImageEdges
 
 Vector = Union[Sequence[float], np.ndarray]
 
@@ -55,14 +55,14 @@ def view(camera_pose: np.ndarray) -> np.ndarray:
     return BODY_TO_OPENGL @ inverse(camera_pose)
 
 
-def perspective(window: Window, near: float, far: float) -> np.ndarray:
+def perspective(edges: ImageEdges, near: float, far: float) -> np.ndarray:
     """Return the projection of a pinhole camera.
 
-    >>> seen = perspective(Window(-2.0, 4.0, -1.0, 1.0), 1.0, 9.0) @ (16, 0, -4, 1)
+    >>> seen = perspective(ImageEdges(-2.0, 4.0, -1.0, 1.0), 1.0, 9.0) @ (16, 0, -4, 1)
     >>> (seen / seen[3]).tolist()[0]        # at the right edge, 4 m ahead
     1.0
     """
-    left, right, bottom, top = window
+    left, right, bottom, top = edges
     return np.array([[2 / (right - left), 0, (right + left) / (right - left), 0],
                      [0, 2 / (top - bottom), (top + bottom) / (top - bottom), 0],
                      [0, 0, -(far + near) / (far - near), -2 * far * near / (far - near)],

@@ -8,7 +8,7 @@ import numpy as np
 from img_recog.errors import UserError, one_line
 from img_recog.model import VisualScene
 from img_recog.rendering import coverage, matrices, shaders
-from img_recog.rendering.batches import Batch, Loader
+from img_recog.rendering.batches import Batch, SceneLoader
 from img_recog.rendering.camera import Pinhole
 from img_recog.rendering.floor import lowest_edge
 from img_recog.rendering.sky import Sky
@@ -29,7 +29,7 @@ class Renderer:
         """Make the programs; UserError if there is no OpenGL. `load` must come next."""
         self._context = context = _create_context()
         context.front_face = 'cw'       # as images are drawn upside down
-        self._loader = Loader(context)
+        self._loader = SceneLoader(context)
         self._context.enable_direct(_CLIP_DISTANCE0)
         self._clear, self._resolve = (
             context.program(vertex_shader=shaders.WHOLE_VERTEX, fragment_shader=fragment)
@@ -180,7 +180,7 @@ def _decode(depths: np.ndarray, camera: Pinhole) -> None:
 def _projection(camera: Pinhole) -> np.ndarray:
     """Return the projection (4, 4), upside down: the first row that is read is the lowest."""
     return np.diag([1.0, -1.0, 1.0, 1.0]) @ matrices.perspective(
-        camera.window, camera.near, camera.far)
+        camera.edges, camera.near, camera.far)
 
 
 def _create_context() -> moderngl.Context:

@@ -40,7 +40,7 @@ def directions(camera: Camera) -> np.ndarray:
         share = np.sin(angle) / np.maximum(radius, 1e-12)
         found = np.stack([share * x, share * y, np.cos(angle)], axis=-1)
     else:
-        slope = camera.window.right
+        slope = camera.edges.right
         found = np.stack([slope * x, slope * y, np.ones_like(x)], axis=-1)
         if lens is not None:
             found = _undistorted(found, lens, camera.intrinsics.fx)

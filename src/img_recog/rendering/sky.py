@@ -25,7 +25,7 @@ class Sky:
         It is clipped by CLIP_DISTANCE0. view (4, 4): from the world to OpenGL's camera frame; the
         first row of the image is the highest. background: into which it fades below the horizon.
         """
-        left, right, bottom, top = camera.window
+        left, right, bottom, top = camera.edges
         to_ray = np.eye(4)
         # of the corners of the image, x and y from -1 to 1, with z -1
         to_ray[:3, :3] = view[:3, :3].T @ [[(right - left) / 2, 0, -(right + left) / 2],

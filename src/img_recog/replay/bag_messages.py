@@ -15,7 +15,7 @@ _USUAL = {'odom': 'odom', 'scan': 'scan', 'cmd_vel': 'cmd_vel', 'outlines': 'wor
 _ONLY_USUAL = 'outlines', 'detections'
 
 
-class Recorded(NamedTuple):
+class RecordedMessage(NamedTuple):
     """A message, the time of its recording in s, and the name of the node that has sent it."""
 
     role: str
@@ -72,18 +72,18 @@ class Messages:
             return plane_msgs.outlines_from_msg(recorded.msg)
         return []
 
-    def in_order(self) -> Iterator[Recorded]:
+    def in_order(self) -> Iterator[RecordedMessage]:
         """Yield all messages in the order of their recording, without the outlines."""
         return self._read([role for role in self.topics if role != 'outlines'])
 
-    def _read(self, roles: Sequence[str]) -> Iterator[Recorded]:
+    def _read(self, roles: Sequence[str]) -> Iterator[RecordedMessage]:
         kinds = {name: kind for name, (role, kind) in self._shown.items() if role in roles}
         if not kinds:
             return
         try:
             for name, msg, time, connection in self._bag.messages(kinds):
-                yield Recorded(self._shown[name][0], msg, time.to_sec(),
-                               connection.get('callerid', b'').decode(errors='replace'))
+                yield RecordedMessage(self._shown[name][0], msg, time.to_sec(),
+                                      connection.get('callerid', b'').decode(errors='replace'))
         except DAMAGE_ERRORS as error:
             raise damaged(self.path, error)
 

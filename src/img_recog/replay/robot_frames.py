@@ -8,7 +8,7 @@ from std_msgs.msg import Header
 from img_recog.conversions.robot_cameras import DrawnCamera, Drawing
 from img_recog.recordings.camera_infos import CameraInfos, of_calibration
 from img_recog.recordings.frames import SECOND_NS, Frame, Frames
-from img_recog.rendering.light import Light, LightSettings
+from img_recog.rendering.light import LightFilter, LightSettings
 from img_recog.settings import nearest_period
 from img_recog.simulation.assembly import Assembly
 from img_recog.simulation.sensors.robot_camera import RobotCamera
@@ -36,7 +36,7 @@ class RobotFrames(Frames):
         vehicle, = built.simulator.vehicles
         self._sensor = RobotCamera(vehicle.robot, settings, self._drawing.poses)
         self._noise_seed = noise_seed
-        self._light = None if light == LightSettings() else Light(light)
+        self._light = None if light == LightSettings() else LightFilter(light)
         self._frame_id = settings.camera_optical_frame
         step_s = built.simulator.world.step_s
         self.period_ns = round(nearest_period(settings.camera_rate, step_s) * SECOND_NS)

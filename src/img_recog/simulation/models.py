@@ -7,7 +7,7 @@ from img_recog import rotations
 from img_recog.errors import SimulationError, shortened
 from img_recog.model import Tree
 from img_recog.rotations import IDENTITY, Transform
-from img_recog.simulation.physics.body import Motion, Pose, motion_of_frame, relative
+from img_recog.simulation.physics.body import Motion, BodyPose, motion_of_frame, relative
 from img_recog.simulation.physics.framed_body import FramedBody
 from img_recog.simulation.physics.world import FLOOR
 from img_recog.simulation.simulator import Simulator
@@ -43,8 +43,8 @@ class _Model:
             old = body.pose()
             new = pose @ now.inverse @ Transform(rotations.matrix(old.orientation),
                                                  np.array(old.position))
-            body.place(Pose(new.translation.tolist(), rotations.quaternion_of(new.rotation),
-                            old.joints))
+            body.place(BodyPose(new.translation.tolist(), rotations.quaternion_of(new.rotation),
+                                old.joints))
             if not body.fixed:
                 arm = new.translation - pose.translation
                 body.set_velocity((linear + np.cross(angular, arm)).tolist(), angular.tolist())

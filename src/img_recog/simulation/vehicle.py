@@ -4,7 +4,7 @@ from typing import Tuple, cast
 
 from img_recog import rotations
 from img_recog.simulation.carrier import Carrier
-from img_recog.simulation.physics.body import Pose
+from img_recog.simulation.physics.body import BodyPose
 from img_recog.simulation.physics.robot import SimulatedRobot
 from img_recog.simulation.physics.world import World
 from img_recog.simulation.robot_spec import RobotSpec
@@ -77,8 +77,8 @@ class Vehicle(Carrier):
         It is put at z_pos, as at the start.
         """
         self.drive.reset()
-        self.robot.place(Pose((x, y, self.settings.spawn.z_pos),
-                              rotations.of_yaw(yaw), self.robot.pose().joints))
+        self.robot.place(BodyPose((x, y, self.settings.spawn.z_pos),
+                                  rotations.of_yaw(yaw), self.robot.pose().joints))
         self.robot.stop_wheels()
         self.notify_teleported()
 

@@ -21,7 +21,7 @@ from img_recog.replay.film import Film
 from img_recog.ros import parameters
 from img_recog.testing.topics import Pose
 
-_PERIOD_S, _FILM_S = 0.1, 30.0      # simulated, between two samples, and of a film
+_PERIOD_S, _FILM_S = 0.1, 30.0      # simulated, between two moments, and of a film
 _MAX_WIDTH = 320
 _RESULT_OPTIONS = ('--gtest_output=xml:', '--junitxml=', '--junit-xml=')
 _BEGAN_S = time.time()       # files that are newer are of this run
@@ -65,7 +65,7 @@ def remove_old(path: str) -> None:
                     os.remove(path + suffix)
 
 
-class Sample(NamedTuple):
+class Moment(NamedTuple):
     """What a film shows at a time. asked: speed in m/s; jpeg: the image of the camera."""
 
     pose: Pose
@@ -73,15 +73,15 @@ class Sample(NamedTuple):
     jpeg: Optional[np.ndarray]
 
 
-class Samples:
-    """Keeps the last samples for a film."""
+class LastMoments:
+    """Keeps the last moments for a film."""
 
     def __init__(self) -> None:
-        self._samples: Deque[Sample] = deque(maxlen=round(_FILM_S / _PERIOD_S))
+        self._moments: Deque[Moment] = deque(maxlen=round(_FILM_S / _PERIOD_S))
 
     def add(self, pose: Pose, asked: float, msg: Optional[Image]) -> None:
-        """Keep a sample, if its time has come. msg: the image of the camera."""
-        if self._samples and 0 <= pose.time_s - self._samples[-1].pose.time_s < _PERIOD_S - 0.001:
+        """Keep a moment, if its time has come. msg: the image of the camera."""
+        if self._moments and 0 <= pose.time_s - self._moments[-1].pose.time_s < _PERIOD_S - 0.001:
             return
         jpeg = None
         if msg is not None:
@@ -89,31 +89,31 @@ class Samples:
             scale = min(1.0, _MAX_WIDTH / image.shape[1])
             small = cv2.resize(image, None, fx=scale, fy=scale, interpolation=cv2.INTER_AREA)
             jpeg = cv2.imencode('.jpg', small)[1]
-        self._samples.append(Sample(pose, asked, jpeg))
+        self._moments.append(Moment(pose, asked, jpeg))
 
     def write_film(self, path: str, outlines: Sequence[np.ndarray],
                    colors: RecognitionSettings) -> None:
-        """Write a film. Raises UserError, also if there are no samples.
+        """Write a film. Raises UserError, also if there are no moments.
 
         outlines: of what stands in the world, (corners, 2) in m. colors: that are recognized.
         """
-        samples = list(self._samples)
+        moments = list(self._moments)
         # time has been reset, or gone back, since then
-        start = max((number for number in range(1, len(samples))
-                     if samples[number].pose.time_s < samples[number - 1].pose.time_s), default=0)
-        samples = samples[start:]
-        if not samples:
+        start = max((number for number in range(1, len(moments))
+                     if moments[number].pose.time_s < moments[number - 1].pose.time_s), default=0)
+        moments = moments[start:]
+        if not moments:
             raise UserError('no film: there was no odometry')
         image = np.zeros((240, _MAX_WIDTH, 3), np.uint8)
         with files.atomic_write([path], _ADVICE) as (file,), \
                 Film(file, colors, outlines) as film:
-            for pose, asked, jpeg in samples:
+            for pose, asked, jpeg in moments:
                 if jpeg is not None:
                     image = cv2.imdecode(jpeg, cv2.IMREAD_COLOR)
                 film.picture.pose = pose[:3]
                 film.picture.asked, film.picture.driven = asked, pose.linear
-                film.add(pose.time_s - samples[0].pose.time_s, image, 'bgr8')
-            film.close(samples[-1].pose.time_s - samples[0].pose.time_s)
+                film.add(pose.time_s - moments[0].pose.time_s, image, 'bgr8')
+            film.close(moments[-1].pose.time_s - moments[0].pose.time_s)
 
 
 def colors_of(nodes: Iterable[str]) -> RecognitionSettings:

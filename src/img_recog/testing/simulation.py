@@ -67,7 +67,7 @@ class Simulation:
         self._wall_timeout_s = wall_timeout_s
         self._running: Optional[Running] = None
         self._odometry: List[str] = []      # topics, of all robots
-        self._samples = evidence.Samples()
+        self._moments = evidence.LastMoments()
 
     @property
     def _commands(self) -> str:
@@ -214,7 +214,7 @@ class Simulation:
         """Keep what a film shows."""
         topics = self._all.topics
         command, image = topics.newest(self._commands), topics.newest(_CAMERA)
-        self._samples.add(pose_from_msg(msg), command.linear.x if command else 0.0, image)
+        self._moments.add(pose_from_msg(msg), command.linear.x if command else 0.0, image)
 
     @property
     def _evidence(self) -> str:
@@ -233,7 +233,7 @@ class Simulation:
                 lambda path: evidence.write_log(path, log),
                 image and (lambda path: evidence.write_picture(path, image)),
                 view and (lambda path: evidence.write_picture(path, view)),
-                lambda path: self._samples.write_film(
+                lambda path: self._moments.write_film(
                     path, plane_msgs.outlines_from_msg(outlines) if outlines else [],
                     evidence.colors_of(nodes)))):
             try:

@@ -39,7 +39,7 @@ def enters(solid, starts, directions):
 
 def reference(solids, pose, sun, floor, ceiling):
     """Return an image, and its depths."""
-    left, right, bottom, top = CAMERA.window
+    left, right, bottom, top = CAMERA.edges
     columns, rows = np.meshgrid((np.arange(CAMERA.width) + 0.5) / CAMERA.width,
                                 (np.arange(CAMERA.height) + 0.5) / CAMERA.height)
     directions = np.stack([np.ones_like(rows), -(left + columns * (right - left)),

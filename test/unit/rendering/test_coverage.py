@@ -12,7 +12,7 @@ NEAR = 0.1
 
 
 def to_clip(pose=np.eye(4), camera=CAMERA):
-    return matrices.perspective(camera.window, NEAR, 100.0) @ matrices.view(pose)
+    return matrices.perspective(camera.edges, NEAR, 100.0) @ matrices.view(pose)
 
 
 def boxes(*bounds):
@@ -34,7 +34,7 @@ def test_a_point_before_the_camera_has_a_negative_z_in_its_view():
 
 def test_a_box_ahead():
     # the near face decides: its half width is 1 at 2 m, where the image is 2 tan(30 deg) wide
-    _, slope_x, _, slope_y = CAMERA.window
+    _, slope_x, _, slope_y = CAMERA.edges
     assert seen((2, -1, -0.5), (3, 1, 0.25)) == pytest.approx(
         [-0.5 / slope_x, -0.25 / slope_y, 0.5 / slope_x, 0.125 / slope_y])
 
@@ -52,7 +52,7 @@ def test_a_box_around_the_camera_covers_all():
 def test_a_wall_beside_the_camera_is_cut_where_it_is_seen():
     # from -5 to 5 m along x, at 1 m to the left: the far end is in the image
     found = seen((-5, 1, -0.5), (5, 1.5, 0.5))
-    assert found[0] < -1 and found[2] == pytest.approx(-1 / 5 / CAMERA.window.right)
+    assert found[0] < -1 and found[2] == pytest.approx(-1 / 5 / CAMERA.edges.right)
 
 
 def test_boxes_move_with_their_parts():

@@ -9,7 +9,7 @@ from img_recog.formats import lenses
 from img_recog.formats.lenses import Distortion, Lens
 from img_recog.model import BOX, SPHERE, Shape, Surroundings
 from img_recog.rendering import lens_views, matrices
-from img_recog.rendering.camera import Camera, View, Window
+from img_recog.rendering.camera import Camera, View, ImageEdges
 from img_recog.rendering.opengl import Renderer
 from img_recog.rendering.rays import directions
 from img_recog_helpers.drawn import HERE, RED, at, centroid, scene, sky_color, visual
@@ -89,9 +89,9 @@ def test_the_size_of_faces():
         return [face.view for face in lens_views.lookup_of(camera).faces]
     side = 2 / 128
     assert faces(1, 1, 1.0, lens=Lens(1.0)) == [
-        View(4, 4, Window(-side, side, -side, side), 0.2, 30.0)]
+        View(4, 4, ImageEdges(-side, side, -side, side), 0.2, 30.0)]
     assert faces(4, 2, 1.0, lens=Lens(1.0, cutoff_angle=1e-6)) == [
-        View(1, 1, Window(-1, 1, -1, 1), 0.2, 30.0)]
+        View(1, 1, ImageEdges(-1, 1, -1, 1), 0.2, 30.0)]
     # as sharp as the image, but for very large ones
     view, = faces(320, 240, 1.0)
     assert (view.width, view.height) == (pytest.approx(323, abs=1), pytest.approx(243, abs=1))

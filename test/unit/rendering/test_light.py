@@ -2,13 +2,13 @@
 import numpy as np
 import pytest
 
-from img_recog.rendering.light import Light, LightSettings, gains_of
+from img_recog.rendering.light import LightFilter, LightSettings, gains_of
 from img_recog.settings import SettingError
 
 
 def seen(color, **settings):
     image = np.full((2, 3, 3), color, np.uint8)
-    Light(LightSettings(**settings)).apply(image)
+    LightFilter(LightSettings(**settings)).apply(image)
     assert (image == image[0, 0]).all()
     return image[0, 0].tolist()
 

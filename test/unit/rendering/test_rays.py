@@ -21,7 +21,7 @@ def test_the_intrinsics_and_the_window_of_a_pinhole_camera():
     fx, fy, cx, cy = Camera(640, 480, math.radians(60)).intrinsics
     assert fx == fy == pytest.approx(320 / math.tan(math.radians(30)))
     assert (cx, cy) == (319.5, 239.5)
-    assert Camera(640, 480, math.radians(90)).window == pytest.approx((-1.0, 1.0, -0.75, 0.75))
+    assert Camera(640, 480, math.radians(90)).edges == pytest.approx((-1.0, 1.0, -0.75, 0.75))
 
 
 def matrix(model):

@@ -51,8 +51,8 @@ class ViewTopic:
         if self._settings.view == 'follow' and simulator.vehicles:
             viewpoint = view.follow(simulator.vehicles[0].robot.pose())
         pose = viewpoint.pose()
-        window = self.camera.window
-        near, far = view.near_and_far(pose, (window.right, window.top))
+        edges = self.camera.edges
+        near, far = view.near_and_far(pose, (edges.right, edges.top))
         roof = view.ceiling(simulator.world, [each.robot for each in simulator.vehicles])
         return Shot(self.camera._replace(near=near, far=far), pose,
                     ceiling=roof if roof < pose[2, 3] else math.inf)

@@ -6,8 +6,8 @@ from img_recog.errors import UserError, one_line, shortened, suggestion
 from img_recog.files import plain
 from img_recog.formats.markup import MarkupError, read_bytes
 from img_recog.formats.yaml_text import load_yaml
-from img_recog.recognition.fitting.samples import (IGNORED, NO_COLOR, Range, Region, SampleError,
-                                                   Samples, corners)
+from img_recog.recognition.fitting.samples import (IGNORED, NO_COLOR, Region, SampleError,
+                                                   Samples, TimeRange, corners)
 from img_recog.recognition.recognition_settings import SettingError, color_names
 
 OTHER = 'other'
@@ -106,7 +106,7 @@ class _Reader:
                 shortened(color), ', '.join(self.colors)))
         return str(color)
 
-    def _range(self, name: str, color: str, kind: str, value: Dict[str, Any]) -> Range:
+    def _range(self, name: str, color: str, kind: str, value: Dict[str, Any]) -> TimeRange:
         times = value[kind]
         if color in (NO_COLOR, IGNORED):
             raise self._error(name, '{} needs a color'.format(kind))
@@ -115,7 +115,7 @@ class _Reader:
                 and 0 <= times[0] < times[1]):
             raise self._error(name, '{}: got {}, expected [start, end] in s, 0 or more'.format(
                 kind, shortened(repr(times))))
-        return Range(name, color, float(times[0]), float(times[1]), kind == 'in_view')
+        return TimeRange(name, color, float(times[0]), float(times[1]), kind == 'in_view')
 
     def _mask(self, name: str, mask: Any) -> bytes:
         if not isinstance(mask, str) or not mask.lower().endswith('.png'):
@@ -154,7 +154,7 @@ def _check_names(path: str, entry: str, values: Dict[Any, Any], known: Sequence[
 
 def _check_times(samples: Samples) -> None:
     """Raise SampleError if a color is in view and not in view at the same time."""
-    ranges = [(name, each) for name, each in samples.entries if isinstance(each, Range)]
+    ranges = [(name, each) for name, each in samples.entries if isinstance(each, TimeRange)]
     for name, seen in ranges:
         for other, unseen in ranges:
             if (seen.color != unseen.color or not seen.is_in_view or unseen.is_in_view

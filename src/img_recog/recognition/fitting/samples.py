@@ -34,7 +34,7 @@ def corners(left: float, top: float, width: float, height: float
     return (left, top), (right, top), (right, bottom), (left, bottom)
 
 
-class Range(NamedTuple):
+class TimeRange(NamedTuple):
     """A range of time in which a color is in view or not, in s from the first frame."""
 
     entry: str
@@ -48,7 +48,7 @@ class RecordingSamples(NamedTuple):
     """The samples of one recording."""
 
     regions: Tuple[Region, ...] = ()
-    ranges: Tuple[Range, ...] = ()
+    ranges: Tuple[TimeRange, ...] = ()
 
 
 class Samples(NamedTuple):
@@ -69,7 +69,7 @@ class Samples(NamedTuple):
         chosen = [sample for name, sample in self.entries if is_named(recording, name)]
         return RecordingSamples(
             tuple(each for each in chosen if isinstance(each, Region)),
-            tuple(each for each in chosen if isinstance(each, Range)))
+            tuple(each for each in chosen if isinstance(each, TimeRange)))
 
     def check_colors(self) -> None:
         """Raise SampleError for a color of which it is not said where it is."""

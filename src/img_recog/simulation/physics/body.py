@@ -20,7 +20,7 @@ _HOLDING_FORCE = 1e6    # N or N m, of the motors of joints that are held at a p
 _MAX_JOINT_VELOCITY = 1e5
 
 
-class Pose(NamedTuple):
+class BodyPose(NamedTuple):
     """Where the parts of a body are: enough to draw it.
 
     position (3,) in m and orientation (unit quaternion x, y, z, w) of the root link's frame in the
@@ -139,10 +139,10 @@ class Body:
         return pybullet.getJointStates(self.body_id, tuple(self.joints.values()),
                                        physicsClientId=self.physics_client_id) or ()
 
-    def pose(self) -> Pose:
+    def pose(self) -> BodyPose:
         """Return where the parts are now."""
         position, orientation = self.transform_in_world(*self._root_in_mass)
-        return Pose(position, orientation, [value[0] for value in self.joint_values()])
+        return BodyPose(position, orientation, [value[0] for value in self.joint_values()])
 
     def transform_in_world(self, position: Vector,
                            orientation: Quaternion) -> Tuple[Vector, Quaternion]:
@@ -151,7 +151,7 @@ class Body:
                                                         physicsClientId=self.physics_client_id)
         return pybullet.multiplyTransforms(*center, position, orientation)
 
-    def place(self, pose: Pose) -> None:
+    def place(self, pose: BodyPose) -> None:
         """Move the parts to `pose`, at rest."""
         center, turned = pybullet.multiplyTransforms(pose.position, pose.orientation,
                                                      *self.mass_in_root)

@@ -6,7 +6,7 @@ import pybullet
 from img_recog.simulation.physics.body import Body
 
 
-class Contact(NamedTuple):
+class ContactPoint(NamedTuple):
     """A point at which a body touches another one or itself.
 
     other: PyBullet's id of the other one; depth_m: how deep they are in one another, below 0 for
@@ -18,7 +18,7 @@ class Contact(NamedTuple):
     up: float
 
 
-def of(body: Body, detect: bool = False) -> List[Contact]:
+def of(body: Body, detect: bool = False) -> List[ContactPoint]:
     """Return the contacts of a body in the last step of the physics.
 
     detect: look for those of where the bodies are now instead.
@@ -27,5 +27,6 @@ def of(body: Body, detect: bool = False) -> List[Contact]:
     if detect:
         pybullet.performCollisionDetection(**client)
     # of two robots, either may be the first body of a contact
-    return [Contact(point[1] if point[2] == body.body_id else point[2], -point[8], point[7][2])
+    return [ContactPoint(point[1] if point[2] == body.body_id else point[2],
+                         -point[8], point[7][2])
             for point in pybullet.getContactPoints(body.body_id, **client)]

@@ -7,7 +7,7 @@ import pybullet
 from img_recog.errors import SimulationError
 from img_recog.formats.sdf_frames import WORLD
 from img_recog.formats.sdf_models import BETWEEN_AXES
-from img_recog.model import CONTINUOUS, Frame, Limits, Model
+from img_recog.model import CONTINUOUS, AttachedFrame, Limits, Model
 from img_recog.rotations import Quaternion, Transform
 from img_recog.simulation.physics.body import Body, FrameState, Motion, Vector, motion_of_frame
 from img_recog.simulation.physics.client import link_indices
@@ -25,7 +25,8 @@ class FramedBody(Body):
     def __init__(self, body_id: int, physics_client_id: int, model: Model, fixed: bool = False):
         super().__init__(body_id, physics_client_id, fixed)
         self.model = model
-        self._frames = model.frames or {link.name: Frame(link.name) for link in model.links}
+        self._frames = model.frames or {
+            link.name: AttachedFrame(link.name) for link in model.links}
         # the body of a plane or terrain is a part of a link of another body
         is_part = not model.frames and (model.is_plane or model.terrain is not None)
         self.link_names = [] if is_part else [
@@ -33,7 +34,7 @@ class FramedBody(Body):
         self.first_axes: Dict[str, str] = {}
         for axis in self.joints:
             self.first_axes.setdefault(axis.partition(BETWEEN_AXES)[0], axis)
-        self._mounts: Dict[str, Frame] = {}
+        self._mounts: Dict[str, AttachedFrame] = {}
         self._surfaces = model.surfaces
         self._link_indices = link_indices(body_id, physics_client_id)
         self._carriers: Dict[str, Tuple[int, Tuple[Vector, Quaternion]]] = {}
@@ -76,7 +77,7 @@ class FramedBody(Body):
         frame: a name that no link has. Its motion can be read like that of a link.
         """
         carrier = self._frames[link]
-        self._mounts[frame] = Frame(carrier.link, carrier.pose @ pose)
+        self._mounts[frame] = AttachedFrame(carrier.link, carrier.pose @ pose)
 
     def surfaces(self, link: str) -> Dict[int, str]:
         """Return PyBullet's index and the name of each part with the shapes of a link.

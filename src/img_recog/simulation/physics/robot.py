@@ -7,7 +7,7 @@ from img_recog import rotations
 from img_recog.errors import SimulationError
 from img_recog.model import CONTINUOUS, Model
 from img_recog.simulation.physics import build, friction, tyres
-from img_recog.simulation.physics.body import Pose
+from img_recog.simulation.physics.body import BodyPose
 from img_recog.simulation.physics.framed_body import FramedBody
 from img_recog.simulation.simulation_settings import SpawnSettings
 
@@ -64,8 +64,8 @@ class SimulatedRobot(FramedBody):
     def reset(self) -> None:
         """Move the robot back to where it was spawned, at rest, its wheels at 0 rad."""
         spawn = self.spawn
-        self.place(Pose((spawn.x_pos, spawn.y_pos, spawn.z_pos),
-                        rotations.of_yaw(spawn.yaw), [0.0] * len(self.joints)))
+        self.place(BodyPose((spawn.x_pos, spawn.y_pos, spawn.z_pos),
+                            rotations.of_yaw(spawn.yaw), [0.0] * len(self.joints)))
         self.stop_wheels()
 
     def stop_wheels(self) -> None:

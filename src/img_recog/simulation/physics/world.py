@@ -6,7 +6,7 @@ import pybullet
 from img_recog.errors import SimulationError, shortened
 from img_recog.formats.problems import Problems
 from img_recog.formats.world_file import WorldFile
-from img_recog.model import PLANE, Frame, Friction, Link, Model, Shape, Solid, Tree
+from img_recog.model import PLANE, AttachedFrame, Friction, Link, Model, Shape, Solid, Tree
 from img_recog.simulation.physics import (build, crowding, friction, gears, standing, stiffness,
                                           tyres)
 from img_recog.simulation.physics.body import Body
@@ -22,7 +22,7 @@ from img_recog.simulation.simulation_settings import PhysicsSettings
 # Gazebo's ground_plane, as it is included without a pose
 FLOOR = Tree('ground_plane', Model('ground_plane', (
     Link('link', solids=(Solid(Shape(PLANE, (100.0, 100.0)), friction=Friction(100.0, 50.0)),)),),
-    frames={'link': Frame('link')}), fixed=True)
+    frames={'link': AttachedFrame('link')}), fixed=True)
 
 
 class World:

@@ -11,7 +11,7 @@ import pybullet
 from img_recog.formats.world_file import WorldFile
 from img_recog.model import Model
 from img_recog.simulation.physics import build
-from img_recog.simulation.physics.body import Body, Pose
+from img_recog.simulation.physics.body import Body, BodyPose
 from img_recog.simulation.physics.world import load_bodies
 from img_recog.simulation.pictures.link_colors import split_links_by_color
 from img_recog.simulation.simulator import Simulator
@@ -55,7 +55,7 @@ class SceneCopy:
                 pybullet.changeVisualShape(body.body_id, link, specularColor=(0, 0, 0),
                                            physicsClientId=physics_client_id)
 
-    def place(self, poses: Sequence[Pose]) -> None:
+    def place(self, poses: Sequence[BodyPose]) -> None:
         """Move the bodies to the poses that `poses_of` returns for the simulation."""
         for body, pose in zip(self.bodies, poses):
             body.place(pose)
@@ -74,7 +74,7 @@ def scene_of(simulator: Simulator) -> Scene:
     return Scene([vehicle.robot.model for vehicle in simulator.vehicles], simulator.world.file)
 
 
-def poses_of(simulator: Simulator) -> Sequence[Pose]:
+def poses_of(simulator: Simulator) -> Sequence[BodyPose]:
     """Return the poses of robots and world bodies in the order of a SceneCopy."""
     bodies = [vehicle.robot for vehicle in simulator.vehicles] + simulator.world.bodies
     return [body.pose() for body in bodies]

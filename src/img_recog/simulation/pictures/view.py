@@ -8,7 +8,7 @@ import pybullet
 from img_recog import rotations
 from img_recog.model import BODY_TO_OPENGL
 from img_recog.rotations import Transform
-from img_recog.simulation.physics.body import Body, Pose
+from img_recog.simulation.physics.body import Body, BodyPose
 from img_recog.simulation.physics.world import World
 
 FIELD_OF_VIEW = 46.8            # degrees, vertical: 60 horizontally at 4:3, like Gazebo's camera
@@ -125,7 +125,7 @@ def _height_of_roof(body: Body, physics_client_id: int) -> float:
     return min(hit[3][2] for hit in hits) if all(hit[0] >= 0 for hit in hits) else math.inf
 
 
-def follow(pose: Pose) -> Viewpoint:
+def follow(pose: BodyPose) -> Viewpoint:
     """Return a viewpoint behind and above a body that looks in the body's direction."""
     heading = math.degrees(rotations.yaw(pose.orientation))
     x, y, z = pose.position

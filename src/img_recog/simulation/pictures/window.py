@@ -8,7 +8,7 @@ import pybullet
 
 from img_recog.model import SUN
 from img_recog.processes.helper_process import HelperProcess
-from img_recog.simulation.physics.body import Pose
+from img_recog.simulation.physics.body import BodyPose
 from img_recog.simulation.physics.client import connect
 from img_recog.simulation.pictures.scene import Scene, SceneCopy
 from img_recog.simulation.pictures.view import ABOVE, FIELD_OF_VIEW, Viewpoint
@@ -44,7 +44,7 @@ class Window:
         """Show another scene: the poses of the next `show` are those of its bodies."""
         self._new_scene = scene
 
-    def show(self, poses: Sequence[Pose]) -> Optional[str]:
+    def show(self, poses: Sequence[BodyPose]) -> Optional[str]:
         """Send the poses; return the reason when the window is gone, else None."""
         self._next_s = time.monotonic() + _PERIOD_S
         if self._helper.is_broken:

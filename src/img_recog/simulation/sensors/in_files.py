@@ -6,7 +6,7 @@ from img_recog.formats import camera_values
 from img_recog.formats.gazebo_tags import Tags, Values, is_of, label, values_in
 from img_recog.formats.numbers import read_numbers
 from img_recog.formats.texts import name_of, text_of
-from img_recog.model import Frame, Tag
+from img_recog.model import AttachedFrame, Tag
 from img_recog.rotations import IDENTITY, transform
 from img_recog.simulation.sensors.sensor import RobotSensor, SensorKind
 
@@ -104,15 +104,15 @@ def _sensor_parts(sensor: ElementTree.Element, link: str, readers: Sequence[Tags
     yield from parts
 
 
-def _place_of(part: _Part) -> Optional[Frame]:
+def _place_of(part: _Part) -> Optional[AttachedFrame]:
     """Return where a sensor is; the plugins outside of sensors name the link."""
     if part.sensor is None:
         link = part.plugin is not None and text_of(part.plugin, 'bodyName')
-        return Frame(link, IDENTITY) if link else None
+        return AttachedFrame(link, IDENTITY) if link else None
     text, numbers = text_of(part.sensor, 'pose'), [0.0] * 6
     if text:
         numbers = read_numbers('<pose> of ' + label(part.sensor, 'name'), text, 6).tolist()
-    return Frame(part.link, transform(numbers[:3], numbers[3:])) if part.link else None
+    return AttachedFrame(part.link, transform(numbers[:3], numbers[3:])) if part.link else None
 
 
 def _add_cameras(tags: Sequence[Tag], kind: SensorKind, with_bare: bool,
@@ -141,5 +141,5 @@ def _add_cameras(tags: Sequence[Tag], kind: SensorKind, with_bare: bool,
                 continue
             owners.update(dict.fromkeys(topics, name))
             sensors.append(RobotSensor(kind.name, kind, 0, {'camera_frame': link, **values},
-                                       Frame(link, IDENTITY), name, sensor.get('type', ''),
+                                       AttachedFrame(link, IDENTITY), name, sensor.get('type', ''),
                                        is_bare))

@@ -6,7 +6,7 @@ import numpy as np
 
 from img_recog.formats.gazebo_tags import Tags, Values
 from img_recog.formats.noises import Noise
-from img_recog.model import Frame
+from img_recog.model import AttachedFrame
 from img_recog.settings import nearest_period
 from img_recog.simulation.names import topic_fields
 from img_recog.simulation.physics.drive import Drive
@@ -131,7 +131,7 @@ class RobotSensor(NamedTuple):
     kind: SensorKind
     number: int = 0
     values: Values = {}
-    place: Optional[Frame] = None
+    place: Optional[AttachedFrame] = None
     label: str = ''
     type: str = ''
     is_bare: bool = False

@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 from img_recog import rotations
-from img_recog.simulation.physics.body import Pose, motion_of_frame
+from img_recog.simulation.physics.body import BodyPose, motion_of_frame
 from img_recog_helpers import robots
 
 TURNED = (0.0, 0.0, math.sin(0.4), math.cos(0.4))
@@ -18,7 +18,7 @@ def robot():
 
 def test_a_body_is_placed_with_its_joints_at_rest(robot):
     robot.set_velocity((1.0, 0.0, 0.0), (0.0, 0.0, 2.0))
-    robot.place(Pose((1.0, 2.0, 0.5), TURNED, [0.25, -0.5]))
+    robot.place(BodyPose((1.0, 2.0, 0.5), TURNED, [0.25, -0.5]))
     pose = robot.pose()
     assert pose.position == pytest.approx((1.0, 2.0, 0.5), abs=1e-6)
     assert pose.orientation == pytest.approx(TURNED, abs=1e-6) and pose.joints == [0.25, -0.5]
@@ -32,7 +32,7 @@ def test_a_body_is_placed_with_its_joints_at_rest(robot):
 
 
 def test_velocity_is_that_of_the_root_link(robot):
-    robot.place(Pose((1.0, 2.0, 0.5), TURNED, [0.0, 0.0]))
+    robot.place(BodyPose((1.0, 2.0, 0.5), TURNED, [0.0, 0.0]))
     robot.set_velocity((0.3, -0.2, 0.1), (0.5, 0.6, -0.7))
     motion = robot.motion()
     turn = rotations.matrix(motion.orientation)
@@ -41,7 +41,7 @@ def test_velocity_is_that_of_the_root_link(robot):
 
 
 def test_velocity_of_a_wheel_of_a_turning_robot(robot):
-    robot.place(Pose((1.0, 2.0, 0.5), (0.0, 0.0, 0.0, 1.0), [0.0, 0.0]))
+    robot.place(BodyPose((1.0, 2.0, 0.5), (0.0, 0.0, 0.0, 1.0), [0.0, 0.0]))
     robot.set_velocity((0.3, 0.0, 0.0), (0.0, 0.0, 2.0))
     for frame, y in (('wheel_left_link', 0.08), ('wheel_right_link', -0.08)):
         motion = robot.motion(frame)
@@ -58,7 +58,7 @@ def test_frames_are_in_their_places_if_the_mass_of_the_root_is_not_in_its_origin
     robot = robots.simulator(urdf=text).vehicles[0].robot
     for frame, position in (('base_footprint', (1.0, 2.0, 0.5)), ('base_link', (1.0, 2.0, 0.51)),
                             ('wheel_left_link', (1.0, 2.08, 0.533))):
-        robot.place(Pose((1.0, 2.0, 0.5), (0.0, 0.0, 0.0, 1.0), [0.0, 0.0]))
+        robot.place(BodyPose((1.0, 2.0, 0.5), (0.0, 0.0, 0.0, 1.0), [0.0, 0.0]))
         assert robot.motion(frame).position == pytest.approx(position, abs=1e-6), frame
 
 

@@ -6,7 +6,7 @@ import pytest
 from img_recog.simulation import assembly
 from img_recog.simulation.models import Models, State
 from img_recog.simulation.physics import standing
-from img_recog.simulation.physics.body import Body, Pose
+from img_recog.simulation.physics.body import Body, BodyPose
 from img_recog_helpers import sdf
 from img_recog_helpers.robots import assemble, burger, read, settings_of, simulator
 
@@ -141,7 +141,7 @@ class Boxes:
 
     def lift(self, bottom, *others):
         """Lift the cube, whose lower side is at a height; return how far, and its height then."""
-        self.cube.place(Pose((self.X, self.Y, bottom + 0.1), UPRIGHT, ()))
+        self.cube.place(BodyPose((self.X, self.Y, bottom + 0.1), UPRIGHT, ()))
         lifted = standing.lift(self.cube, [self.floor], others)
         assert self.cube.pose().position[:2] == pytest.approx((self.X, self.Y))
         assert self.cube.pose().position[2] - 0.1 == pytest.approx(
@@ -179,6 +179,6 @@ def test_onto_a_shelf_that_is_in_the_way_above_the_floor():
     (0.1, 0.0), (0.002, 0.0), (-0.02, 0.02), (-0.06, 0.06)])
 def test_depth(bottom, wanted):
     boxes = Boxes()
-    boxes.cube.place(Pose((boxes.X, boxes.Y, bottom + 0.1), UPRIGHT, ()))
+    boxes.cube.place(BodyPose((boxes.X, boxes.Y, bottom + 0.1), UPRIGHT, ()))
     assert standing.depth(boxes.cube, boxes.floor) == pytest.approx(wanted, abs=1e-6)
     assert standing.is_in(boxes.cube, [boxes.floor]) is (wanted > 0)

@@ -7,7 +7,7 @@ import pytest
 
 from img_recog.model import SUN
 from img_recog.rotations import transform
-from img_recog.simulation.physics.body import Pose
+from img_recog.simulation.physics.body import BodyPose
 from img_recog.simulation.physics.client import connect
 from img_recog.simulation.pictures import view, window
 from img_recog.simulation.pictures.scene import SceneCopy, poses_of, scene_of
@@ -127,7 +127,7 @@ def test_the_pose_of_a_viewpoint():
     assert pose[:3, 3] == pytest.approx([0.8, 0, 12], abs=0.01)
     assert pose[:3, 0] == pytest.approx([0, 0, -1], abs=1e-3)
     assert pose[:3, 2] == pytest.approx([1, 0, 0], abs=1e-3)
-    behind = follow(Pose((1.0, 2.0, 0.0), LEFT, ())).pose()
+    behind = follow(BodyPose((1.0, 2.0, 0.0), LEFT, ())).pose()
     # it looks along the body's heading, the world's y, and down
     assert behind[:3, 3] == pytest.approx(
         [1, 2 - 1.3 * np.cos(np.radians(68)), 1.3 * np.sin(np.radians(68))], abs=1e-3)
