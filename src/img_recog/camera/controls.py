@@ -12,44 +12,26 @@ from typing import Iterable, List, Mapping, NamedTuple, Optional
 from img_recog.camera.usb_cam_settings import ControlSettings
 from img_recog.errors import suggestion
 
-BRIGHTNESS, CONTRAST, SATURATION = 0x00980900, 0x00980901, 0x00980902
-AUTO_WHITE_BALANCE, GAIN = 0x0098090c, 0x00980913
-WHITE_BALANCE_TEMPERATURE, SHARPNESS = 0x0098091a, 0x0098091b
-EXPOSURE_AUTO, EXPOSURE_ABSOLUTE = 0x009a0901, 0x009a0902
-FOCUS_ABSOLUTE, FOCUS_AUTO = 0x009a090a, 0x009a090c
-
+AUTO_WHITE_BALANCE, EXPOSURE_AUTO, FOCUS_AUTO = 0x0098090c, 0x009a0901, 0x009a090c
 EXPOSURE_MANUAL, EXPOSURE_APERTURE_PRIORITY = 1, 3      # enum v4l2_exposure_auto_type
 _UNCHANGED = -1         # the value of a setting that sets nothing
 
-# the names that v4l2-ctl prints with older and newer kernels
-KNOWN_NAMES = {
-    'auto_exposure': EXPOSURE_AUTO,
-    'brightness': BRIGHTNESS,
-    'contrast': CONTRAST,
-    'exposure_absolute': EXPOSURE_ABSOLUTE,
-    'exposure_auto': EXPOSURE_AUTO,
-    'exposure_time_absolute': EXPOSURE_ABSOLUTE,
-    'focus_absolute': FOCUS_ABSOLUTE,
-    'focus_auto': FOCUS_AUTO,
-    'focus_automatic_continuous': FOCUS_AUTO,
-    'gain': GAIN,
-    'saturation': SATURATION,
-    'sharpness': SHARPNESS,
-    'white_balance_automatic': AUTO_WHITE_BALANCE,
-    'white_balance_temperature': WHITE_BALANCE_TEMPERATURE,
-    'white_balance_temperature_auto': AUTO_WHITE_BALANCE,
-}
-
-# the control of each setting, in the order in which they are set
-_OF_SETTINGS = {
-    'brightness': BRIGHTNESS, 'contrast': CONTRAST, 'saturation': SATURATION,
-    'sharpness': SHARPNESS, 'gain': GAIN,
-    'auto_white_balance': AUTO_WHITE_BALANCE, 'white_balance': WHITE_BALANCE_TEMPERATURE,
-    'autoexposure': EXPOSURE_AUTO, 'exposure': EXPOSURE_ABSOLUTE,
-    'autofocus': FOCUS_AUTO, 'focus': FOCUS_ABSOLUTE}
-# the settings by the names above
-SETTINGS = {name: next(setting for setting, own in _OF_SETTINGS.items() if own == control)
-            for name, control in KNOWN_NAMES.items()}
+# in the order in which they are set: the setting, its control, and the names of that which
+# v4l2-ctl prints with older and newer kernels
+_CONTROLS = (
+    ('brightness', 0x00980900, 'brightness'), ('contrast', 0x00980901, 'contrast'),
+    ('saturation', 0x00980902, 'saturation'), ('sharpness', 0x0098091b, 'sharpness'),
+    ('gain', 0x00980913, 'gain'),
+    ('auto_white_balance', AUTO_WHITE_BALANCE,
+     'white_balance_automatic white_balance_temperature_auto'),
+    ('white_balance', 0x0098091a, 'white_balance_temperature'),
+    ('autoexposure', EXPOSURE_AUTO, 'auto_exposure exposure_auto'),
+    ('exposure', 0x009a0902, 'exposure_absolute exposure_time_absolute'),
+    ('autofocus', FOCUS_AUTO, 'focus_auto focus_automatic_continuous'),
+    ('focus', 0x009a090a, 'focus_absolute'))
+# the controls and the settings by these names
+KNOWN_NAMES = {name: number for _, number, names in _CONTROLS for name in names.split()}
+SETTINGS = {name: setting for setting, _, names in _CONTROLS for name in names.split()}
 
 _QUERYCTRL, _CONTROL = struct.Struct('=II32siiiiI8x'), struct.Struct('=Ii')
 _NEXT_CTRL = 0x80000000
@@ -150,20 +132,19 @@ def apply(device: ControlDevice, settings: ControlSettings,
     by_id = {each.id: each for each in controls}
     by_name = {each.name: each for each in controls}
 
-    def automatic(setting: str, is_wanted: bool, default: bool) -> int:
-        return (int(is_wanted) if _OF_SETTINGS[setting] in by_id or is_wanted != default
-                else _UNCHANGED)
+    def automatic(number: int, is_wanted: bool, default: bool) -> int:
+        return int(is_wanted) if number in by_id or is_wanted != default else _UNCHANGED
     wanted = {
         **vars(settings),
-        'auto_white_balance': automatic('auto_white_balance', settings.auto_white_balance, True),
+        'auto_white_balance': automatic(AUTO_WHITE_BALANCE, settings.auto_white_balance, True),
         'white_balance': _UNCHANGED if settings.auto_white_balance else settings.white_balance,
         'autoexposure': _automatic_exposure(device, by_id.get(EXPOSURE_AUTO))
         if settings.autoexposure else EXPOSURE_MANUAL,
         'exposure': _UNCHANGED if settings.autoexposure else settings.exposure,
-        'autofocus': automatic('autofocus', settings.autofocus, False),
+        'autofocus': automatic(FOCUS_AUTO, settings.autofocus, False),
         'focus': _UNCHANGED if settings.autofocus else settings.focus}
-    chosen = [(name, by_id.get(control_id), wanted[name])
-              for name, control_id in _OF_SETTINGS.items() if wanted[name] != _UNCHANGED]
+    chosen = [(name, by_id.get(number), wanted[name])
+              for name, number, _ in _CONTROLS if wanted[name] != _UNCHANGED]
     chosen += [(name, by_name.get(name) or by_id.get(KNOWN_NAMES.get(name, 0)), value)
                for name, value in intrinsic.items()]
     problems = [_set(device, name, control, value) if control else _missing(name, by_name)

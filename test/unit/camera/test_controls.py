@@ -39,6 +39,8 @@ class FakeDevice:
 NAMES = {0x00980903: 'hue', **{
     control_id: name for name, control_id in controls.KNOWN_NAMES.items()}}
 ALL = sorted(NAMES)
+BRIGHTNESS, CONTRAST, GAIN = (
+    controls.KNOWN_NAMES[name] for name in ('brightness', 'contrast', 'gain'))
 
 
 @pytest.mark.parametrize('name, control_id, meant', [      # linux/v4l2-controls.h
@@ -85,7 +87,7 @@ def exposure(highest, value=1):
 
 
 def gain(**more):
-    return FakeDevice(controls.GAIN, low=10, high=90, **more)
+    return FakeDevice(GAIN, low=10, high=90, **more)
 
 
 # a device, settings, other controls by name; what is set, and what is said
@@ -104,18 +106,18 @@ def gain(**more):
     (FakeDevice(0x00980903), ABSENT, {}, [], list(map(NOT_THERE, ABSENT))),
     (FakeDevice(0x00980903), {'autofocus': True}, {}, [], [NOT_THERE('autofocus')]),
     # values that can be set, and that cannot
-    *((gain(), {'gain': value}, {}, [(controls.GAIN, value)], []) for value in (10, 90)),
+    *((gain(), {'gain': value}, {}, [(GAIN, value)], []) for value in (10, 90)),
     *((gain(), {'gain': value}, {}, [],
        ['control gain: got {}, allowed is 10 to 90'.format(value)]) for value in (9, 91)),
     (gain(settable=False), {'gain': 50}, {}, [], ['control gain: it cannot be set']),
     (gain(refused=BUSY), {'gain': 50}, {}, [],
      ['control gain: the camera refuses 50: Device or resource busy']),
     # the others are set after a problem
-    (FakeDevice(controls.BRIGHTNESS, controls.CONTRAST), {'brightness': 256, 'contrast': 90}, {},
-     [(controls.CONTRAST, 90)], ['control brightness: got 256, allowed is 0 to 255']),
+    (FakeDevice(BRIGHTNESS, CONTRAST), {'brightness': 256, 'contrast': 90}, {},
+     [(CONTRAST, 90)], ['control brightness: got 256, allowed is 0 to 255']),
     # intrinsic controls have any name of the device and are set last
-    (FakeDevice(0x00980903, controls.BRIGHTNESS), {'brightness': 9}, {'hue': 7, 'brightness': 8},
-     [(controls.BRIGHTNESS, 9), (0x00980903, 7), (controls.BRIGHTNESS, 8)], []),
+    (FakeDevice(0x00980903, BRIGHTNESS), {'brightness': 9}, {'hue': 7, 'brightness': 8},
+     [(BRIGHTNESS, 9), (0x00980903, 7), (BRIGHTNESS, 8)], []),
     (gain(), {}, {'gian': 1}, [], ['the camera has no control gian; did you mean gain?'])])
 def test_what_is_set_and_what_is_said(device, settings, intrinsic, done, problems):
     assert apply(device, ControlSettings(**settings), intrinsic) == problems
