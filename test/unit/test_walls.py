@@ -39,14 +39,14 @@ def test_only_lifecycle_uses_shutdown_hooks_of_rospy():
 
 @pytest.mark.parametrize('path, line, words', [
     ('camera/deeper/a.py', 'import rospy', 'camera runs without a node'),
-    ('recognition/deeper/a.py', 'from img_recog.camera import urls', 'recognition may use'),
+    ('recognition/deeper/a.py', 'from img_recog.camera import source', 'recognition may use'),
     ('simulation/deeper/a.py', 'from img_recog import rendering', 'simulation may use'),
     ('rendering/a.py', 'from img_recog.simulation.physics.body import Body', 'rendering may use'),
     ('rendering/a.py', 'import pybullet', 'may use pybullet'),
     ('formats/a.py', 'import pybullet', 'may use pybullet'),
     ('simulation/a.py', 'import pybullet', 'may use pybullet'),
     ('formats/a.py', 'from img_recog.simulation.physics import body', 'formats may use'),
-    ('formats/a.py', 'from img_recog.camera import urls', 'formats may use'),
+    ('formats/a.py', 'from img_recog.camera import source', 'formats may use'),
     ('simulation/physics/a.py', 'from img_recog.simulation.sensors import imu',
      'sensors is above physics'),
     ('simulation/sensors/a.py', 'from img_recog.simulation.vehicle import Vehicle',
@@ -109,7 +109,7 @@ def test_only_lifecycle_uses_shutdown_hooks_of_rospy():
     ('formats/a.py', 'from img_recog.loading import resources', 'formats may use'),
     ('formats/a.py', 'import rospkg', 'formats must not use ROS'),
     ('files.py', 'import rospkg', 'files must not use ROS'),
-    ('files.py', 'from img_recog.camera import urls', 'files may use'),
+    ('files.py', 'from img_recog.camera import source', 'files may use'),
     ('settings.py', 'from img_recog import files', 'settings may use')])
 def test_a_planted_violation_is_found(tmp_path, path, line, words):
     planted = tmp_path / path

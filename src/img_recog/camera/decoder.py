@@ -18,8 +18,7 @@ from av.error import FFmpegError
 from av.sidedata.sidedata import SideDataContainer
 
 from img_recog.camera.rgb_frames import RgbFrames
-from img_recog.camera.source import FrameSkipped, check_size
-from img_recog.camera.urls import redacted
+from img_recog.camera.source import FrameSkipped, check_size, redacted
 
 # An RTSP server sends by UDP otherwise, and frames whose packets are lost are damaged.
 _OPTIONS = {'rtsp_transport': 'tcp'}

@@ -1,5 +1,6 @@
 """The interface of all frame sources, and what they have in common."""
 import abc
+import re
 from typing import Optional
 
 import cv2
@@ -7,6 +8,11 @@ import numpy as np
 
 from img_recog.errors import UserError
 from img_recog.formats import still_images
+
+# In a URL. As in ffmpeg, the authority ends at the first of /?#, and the user at the last @ in it.
+# If a password contains one of these, no port follows the colon: then the last @ of the URL counts.
+_USER = re.compile(r'(?<=://)(?:[^/?#]*@|[^/?#]*:(?!\d*(?:[/?#]|$)).*@)')
+_QUERY = re.compile(r'(?<=[?#]).*')
 
 
 class SourceError(UserError):
@@ -93,6 +99,15 @@ def fourcc(capture: cv2.VideoCapture) -> str:
     """Return the four letters of the codec or pixel format that OpenCV reads, without spaces."""
     code = int(capture.get(cv2.CAP_PROP_FOURCC))
     return ''.join(chr(code >> shift & 0x7f) for shift in (0, 8, 16, 24)).strip(' \0')
+
+
+def redacted(name: str) -> str:
+    """Return a `video_device` for the log: a URL without user and query, which may be secret.
+
+    >>> redacted('rtsp://me:secret@camera/live?key=secret')
+    'rtsp://camera/live?...'
+    """
+    return _QUERY.sub('...', _USER.sub('', name)) if '://' in name else name
 
 
 def check_size(action: str, width: float, height: float, max_pixels: int) -> None:

@@ -1,18 +1,19 @@
 """A live stream or a video at a URL, decoded by FFmpeg."""
 import time
 from typing import Callable, Optional
+from urllib.parse import urlsplit
 
 import numpy as np
 
-from img_recog.camera import urls
 from img_recog.camera.decoder import Decoder, open_decoder, released_on_error
 from img_recog.camera.image_source import VIDEO_EXTENSIONS
 from img_recog.camera.source import (FrameSkipped, FrameSource, SourceError, SourceTooLarge,
-                                     check_size)
+                                     check_size, redacted)
 from img_recog.camera.usb_cam_settings import UsbCamSettings
 from img_recog.camera.video_source import VideoSource
 from img_recog.formats.still_images import DEFAULT_MAX_PIXELS
 
+_SCHEMES = 'http', 'https', 'rtmp', 'rtsp', 'rtsps'
 # When a read times out, ffmpeg may return a frame made from the data that has arrived.
 _OPEN_TIMEOUT_S, _READ_TIMEOUT_S = 5.0, 2.0
 # Longer than for a camera: servers may send whole groups of pictures (GOP) at once.
@@ -25,11 +26,13 @@ def open_url(settings: UsbCamSettings, warn: Callable[[str], None]) -> FrameSour
     Raises SourceError when it is neither, when it has too many pixels, or when the server
     does not answer.
     """
-    scheme, url = urls.split(settings.video_device)
-    name, max_pixels = urls.redacted(url), settings.max_image_pixels
-    if scheme not in urls.SCHEMES:
+    scheme, _, rest = settings.video_device.partition('://')
+    scheme = scheme.lower()     # FFmpeg accepts no other case; RFC 3986, 3.1: it does not matter
+    url = '{}://{}'.format(scheme, rest)
+    name, max_pixels = redacted(url), settings.max_image_pixels
+    if scheme not in _SCHEMES:
         raise SourceError('cannot open {}: the URL of a stream begins with one of {}'.format(
-            name, ', '.join(known + '://' for known in urls.SCHEMES)))
+            name, ', '.join(known + '://' for known in _SCHEMES)))
     decoder = _open(url, max_pixels)
     if decoder is None:
         raise SourceError('cannot open {}: no stream that FFmpeg plays, or not within {:g} s'
@@ -38,7 +41,7 @@ def open_url(settings: UsbCamSettings, warn: Callable[[str], None]) -> FrameSour
         is_http = scheme.startswith('http')     # the other protocols send at the video's rate
         # the frame count of a live stream is not known, nor that of some videos, as of a browser
         count = decoder.frame_count
-        if is_http and (count > 1 or urls.ends_with(url, VIDEO_EXTENSIONS)):
+        if is_http and (count > 1 or urlsplit(url).path.lower().endswith(VIDEO_EXTENSIONS)):
             return RemoteVideoSource(url, decoder, settings.loop, warn, max_pixels=max_pixels)
         return StreamSource(name, decoder, announces_rate=not is_http, max_pixels=max_pixels)
 

@@ -8,8 +8,7 @@ import numpy as np
 from img_recog.camera.decoder import Decoder, open_decoder, released_on_error
 from img_recog.camera.frame_pacing import FrameTimes
 from img_recog.camera.source import (FrameSkipped, FrameSource, SourceEnded, SourceError,
-                                     check_size)
-from img_recog.camera.urls import redacted
+                                     check_size, redacted)
 from img_recog.formats.still_images import DEFAULT_MAX_PIXELS
 
 # The frame count in a video's index may differ by a few from what its decoder gives.

@@ -3,9 +3,8 @@ import numpy as np
 import pytest
 from av.error import FFmpegError
 
-from img_recog.camera import urls
 from img_recog.camera.selection import open_source
-from img_recog.camera.source import FrameSkipped, SourceEnded, SourceError
+from img_recog.camera.source import FrameSkipped, SourceEnded, SourceError, redacted
 from img_recog.camera.url_source import RemoteVideoSource, StreamSource
 from img_recog.camera.usb_cam_settings import UsbCamSettings
 from img_recog_helpers.fake_decoder import FakeDecoder
@@ -166,7 +165,7 @@ def test_video_whose_server_is_gone_when_it_loops(clock, monkeypatch):
     ('rtsp://[::1]:554/live', 'rtsp://[::1]:554/live'),
     ('/a/video?.mp4', '/a/video?.mp4'), ('synthetic', 'synthetic')])
 def test_log_shows_no_password(url, shown):
-    assert urls.redacted(url) == shown
+    assert redacted(url) == shown
 
 
 @pytest.mark.parametrize('rate_hz, expected_hz', [

@@ -23,12 +23,12 @@ from std_msgs.msg import Header
 from std_srvs.srv import Empty, EmptyRequest, EmptyResponse
 
 from img_recog import files
-from img_recog.camera import selection, urls
+from img_recog.camera import selection
 from img_recog.camera.controls import SETTINGS
 from img_recog.camera.capture import Capture, Listener
 from img_recog.camera.frame_pacing import Stamps
 from img_recog.camera.usb_cam_settings import UsbCamSettings, ControlSettings, intrinsic_controls
-from img_recog.camera.source import FrameSource
+from img_recog.camera.source import FrameSource, redacted
 from img_recog.conversions.compressed_image_msgs import CompressionSettings
 from img_recog.errors import named_in_crashes
 from img_recog.nodes.compressed_images import CompressedImages
@@ -55,7 +55,7 @@ class UsbCam(Listener):
 
     def __init__(self) -> None:
         self._settings = selection.resolve_auto(parameters.read(UsbCamSettings))
-        self._name = urls.redacted(self._settings.video_device)
+        self._name = redacted(self._settings.video_device)
         controls = parameters.read(ControlSettings)
         self._controls = CameraControls(
             controls, parameters.read_one('intrinsic_controls', {}, intrinsic_controls))
