@@ -202,7 +202,7 @@ def _run_kind(kind, expression):
             for path in files for name in [os.path.basename(path)[:-len('.test')]]
             if expression in name)])
     xml = os.path.join(results, 'pytest-{}.xml'.format(kind))
-    command, paths = [sys.executable], [os.path.join(ROOT, 'test', kind)]   # as in CMakeLists.txt
+    command, paths = [sys.executable], [os.path.join(ROOT, 'test', kind)]   # as in tests.cmake
     if kind == 'unit':
         # not when all tests run: it costs a third of the time of the unit tests
         command += ['-m', 'coverage', 'run', '--source=' + os.path.join(ROOT, 'src', 'img_recog')]

@@ -1,1 +1,1 @@
-"""Code shared by the tests; CMakeLists.txt makes it importable in the devel space."""
+"""Code shared by the tests; cmake/tests.cmake makes it importable in the devel space."""

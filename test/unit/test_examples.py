@@ -1,6 +1,5 @@
 """Docstrings of the pure folders show what functions return; pytest runs these examples."""
 import ast
-import os
 import pathlib
 
 from img_recog_helpers.pages import ROOT
@@ -25,5 +24,5 @@ def test_public_functions_have_examples():
 
 
 def test_both_ways_to_run_the_unit_tests_run_the_examples():
-    for path in ('CMakeLists.txt', os.path.join('tools', 'testing.py')):
+    for path in ('cmake/tests.cmake', 'tools/testing.py'):
         assert '--doctest-modules' in pathlib.Path(ROOT, path).read_text(), path
