@@ -10,7 +10,7 @@ from img_recog.errors import UserError
 from img_recog.formats import still_images
 
 # In a URL. As in ffmpeg, the authority ends at the first of /?#, and the user at the last @ in it.
-# If a password contains one of these, no port follows the colon: then the last @ of the URL counts.
+# If a password contains one of these, no port follows the colon: then the last @ of all counts.
 _USER = re.compile(r'(?<=://)(?:[^/?#]*@|[^/?#]*:(?!\d*(?:[/?#]|$)).*@)')
 _QUERY = re.compile(r'(?<=[?#]).*')
 

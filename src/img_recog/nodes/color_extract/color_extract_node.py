@@ -33,7 +33,7 @@ from img_recog.conversions import color_detection_msgs, twist_msgs
 from img_recog.conversions.image_msgs import ImageError
 from img_recog.formats.still_images import ALLOWED_MAX_PIXELS, DEFAULT_MAX_PIXELS
 from img_recog.nodes import color_parameters
-from img_recog.nodes.color_extract import image_inputs
+from img_recog.nodes.color_extract.image_inputs import TRANSPORTS, ImageInput
 from img_recog.nodes.color_extract.recognition_diagnostics import RecognitionDiagnostics
 from img_recog.recognition import overlay, parameter_file
 from img_recog.recognition.areas import ColorExtractor
@@ -64,7 +64,7 @@ class InputSettings(Settings):
     max_image_pixels: an image with more pixels is refused, a compressed one before it is decoded.
     """
 
-    image_transport: str = setting('raw', one_of(*image_inputs.TRANSPORTS))
+    image_transport: str = setting('raw', one_of(*TRANSPORTS))
     colors_file: str = setting('')
     max_image_pixels: int = setting(DEFAULT_MAX_PIXELS, ALLOWED_MAX_PIXELS)
 
@@ -98,8 +98,8 @@ class ColorExtract:
         lifecycle.on_shutdown(self._shutdown)
         Reconfigurable(settings, self._configure)
         with self._frame_lock:      # images may come before it returns
-            self._input = image_inputs.subscribe(
-                transport, _CAMERA, counts, given.max_image_pixels, self.process)
+            self._input = ImageInput(_CAMERA, transport, counts, given.max_image_pixels,
+                                     self.process)
         lifecycle.on_shutdown(self._input.wake)
         NodeDiagnostics('recognition', 'none', counts.report)
 
@@ -168,11 +168,6 @@ class ColorExtract:
         for number, publisher in enumerate(self._masked):
             publisher.publish_drawn(partial(self._extractor.draw_masked, number),
                                     self._extractor.shape, 'bgr8', header)
-        self._publish_details(header, areas_px, commands)
-
-    def _publish_details(self, header: Header, areas_px: Sequence[int],
-                         commands: Sequence[Command]) -> None:
-        """Publish areas, centroids and overlay."""
         if self._detection.get_num_connections() > 0:
             centroids = [self._extractor.centroid(number) for number in range(len(areas_px))]
             self._detection.publish(color_detection_msgs.to_msg(

@@ -25,8 +25,8 @@ class Node:
                             lambda *words: made.append(FakeSubscriber(*words)) or made[0])
         self.now_s, self.seconds, self.is_free, self.processed = 100.0, 0.0, True, []
         self.counts = RecognitionDiagnostics('/image')
-        self.input = image_inputs.RawInput('/image', self.counts, 12, self.process,
-                                           lambda: self.now_s)
+        self.input = image_inputs.ImageInput('/image', 'raw', self.counts, 12, self.process,
+                                             lambda: self.now_s)
         self.subscriber, = made
         self.receive = self.subscriber.receive
 
