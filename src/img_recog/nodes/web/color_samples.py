@@ -8,8 +8,8 @@ from typing import Any, Callable, Dict, NamedTuple, Tuple
 
 from img_recog import files
 from img_recog.errors import UserError, one_line
-from img_recog.nodes.web.color_tuning import FOLDER_ADVICE, saving, wait_until
 from img_recog.nodes.web.pictures import PictureTopics, encoded
+from img_recog.nodes.web.tuning import FOLDER_ADVICE, saving, wait_until
 from img_recog.recognition.fitting import marked
 from img_recog.recognition.fitting.marked import Marked
 from img_recog.recognition.fitting.offers import Offer, offers_of_a_process

@@ -7,10 +7,10 @@ from typing import Any, Dict, List, Optional
 from nicegui import ui
 
 from img_recog.nodes.web import sample_card
-from img_recog.nodes.web.color_tuning import ColorTuning, color_names_in
-from img_recog.nodes.web.page_elements import OneCall, Slider, button, card, paragraph, picture
+from img_recog.nodes.web.page_elements import (
+    OneCall, Slider, Visit, button, card, numbers, paragraph, picture)
 from img_recog.nodes.web.sample_card import SampleCard
-from img_recog.nodes.web.visit import Visit
+from img_recog.nodes.web.tuning import ColorTuning, color_names_in
 from img_recog.recognition.fitting.samples import NO_COLOR
 
 TEXTS = {
@@ -164,14 +164,10 @@ class ColorsTab:
                                           classes, '{}: {}'.format(color, title))
 
     async def _on_mark(self, event: Any) -> None:
-        try:
-            place = [float(event.args[key]) for key in ('x', 'y', 'width', 'height')
-                     if key in event.args]
-        except (TypeError, ValueError, KeyError):
-            return
+        place = numbers(event, 'x', 'y', 'width', 'height') or numbers(event, 'x', 'y')
         if self._samples is None:
             ui.notify(self._t('no_recognition'), type='negative')
-        elif len(place) in (2, 4):
+        elif place:
             await self._samples.mark(*place)
 
     async def _save(self) -> None:

@@ -15,7 +15,7 @@ from starlette.websockets import WebSocket
 
 from img_recog.nodes.web.measurements import WatchedTopics
 from img_recog.nodes.web.pictures import RATE_HZ, PictureTopics
-from img_recog.nodes.web.shown_robot import ShownRobot
+from img_recog.nodes.web.shown_robots import ShownRobot
 
 _MAX_PICTURES, _MAX_NAME = 32, 300      # page.js asks for no more
 _MAX_MALFORMED = 20             # messages, until the connection is closed

@@ -11,7 +11,7 @@ from img_recog.errors import UserError, one_line
 from img_recog.graph import dot
 from img_recog.graph.reader import SystemReader
 from img_recog.graph.system import System, visible
-from img_recog.nodes.web.visit import Visit
+from img_recog.nodes.web.page_elements import Visit
 
 TEXTS = {
     'graph': ('Graph', 'グラフ'),

@@ -7,8 +7,7 @@ from nicegui import app, ui
 
 from img_recog.nodes.web import drive_picture, simulation_service
 from img_recog.nodes.web.page_elements import (
-    OneCall, Slider, button, card, paragraph, picture, wait_for)
-from img_recog.nodes.web.visit import Visit
+    OneCall, Slider, Visit, button, card, numbers, paragraph, picture, wait_for)
 
 TEXTS = {
     'live': ('Live', 'ライブ'),
@@ -192,11 +191,9 @@ class LiveTab:
     # what a visitor does
 
     async def _on_pose(self, event: Any) -> None:
-        try:
-            x, y, yaw = (float(event.args[key]) for key in ('x', 'y', 'yaw'))
-        except (TypeError, ValueError, KeyError):
-            return
-        await wait_for(self._robot.pose.publish, x, y, yaw)
+        place = numbers(event, 'x', 'y', 'yaw')
+        if place:
+            await wait_for(self._robot.pose.publish, *place)
 
     async def _record(self) -> None:
         is_running = self._is_recording         # or else two who stop would start one

@@ -9,8 +9,8 @@ from rosgraph_msgs.msg import Log
 
 from img_recog.errors import shortened
 from img_recog.nodes.web.measurements import Topic
+from img_recog.nodes.web.page_elements import Visit
 from img_recog.nodes.web.updates import Updates
-from img_recog.nodes.web.visit import Visit
 
 TEXTS = {
     'log': ('Log', 'ログ'),

@@ -3,8 +3,7 @@ from typing import Any
 
 from nicegui import ui
 
-from img_recog.nodes.web.page_elements import card, paragraph, wait_for
-from img_recog.nodes.web.visit import Visit
+from img_recog.nodes.web.page_elements import Visit, card, numbers, paragraph, wait_for
 
 TEXTS = {
     'navigation': ('Navigation', 'ナビゲーション'),
@@ -22,12 +21,9 @@ TEXTS = {
 def add(visit: Visit) -> None:
     """Add the elements of the tab."""
     async def publish(event: Any) -> None:
-        try:
-            place = [float(event.args[key]) for key in ('x', 'y', 'yaw')]
-            is_initial = bool(event.args['dragged'])
-        except (TypeError, ValueError, KeyError):
-            return
-        await wait_for(visit.robot.navigation.publish, *place, is_initial)
+        given = numbers(event, 'x', 'y', 'yaw', 'dragged')
+        if given:
+            await wait_for(visit.robot.navigation.publish, *given[:3], bool(given[3]))
 
     with card(visit.texts('navigation')):
         ui.element('canvas').classes('map navigation').props(

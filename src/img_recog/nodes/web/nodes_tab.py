@@ -7,8 +7,8 @@ from nicegui import ui
 
 from img_recog.errors import shortened
 from img_recog.nodes.web.measurements import Topic, number
+from img_recog.nodes.web.page_elements import Visit
 from img_recog.nodes.web.updates import MAX_STATES, Updates
-from img_recog.nodes.web.visit import Visit
 from img_recog.ros.log.throttle import ThrottledWarning
 
 TEXTS = {

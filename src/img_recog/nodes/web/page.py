@@ -14,9 +14,9 @@ from fastapi.staticfiles import StaticFiles
 from nicegui import Client, run, ui
 
 from img_recog.nodes.web import page_texts
-from img_recog.nodes.web.tabs import TABS
+from img_recog.nodes.web.page_elements import Shared, Visit
 from img_recog.nodes.web.page_texts import Texts
-from img_recog.nodes.web.visit import Shared, Visit
+from img_recog.nodes.web.tabs import TABS
 
 _STATIC = os.path.join(os.path.dirname(os.path.abspath(__file__)), 'static')
 _POLL_S = 0.4           # of values that other pages or nodes may change

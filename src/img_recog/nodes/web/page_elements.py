@@ -1,18 +1,37 @@
-"""Elements of the page that several tabs have."""
+"""What the tabs of a page get to know, and elements that several of them have."""
 import asyncio
 import itertools
 import time
-from typing import Any, Callable
+from typing import Any, Callable, List, NamedTuple
 
 from nicegui import run, ui
 
 from img_recog.errors import UserError, one_line
-from img_recog.nodes.web.shown_robot import PictureTopic
 from img_recog.nodes.web.page_texts import Texts
+from img_recog.nodes.web.shown_robots import PictureTopic, ShownRobot, ShownRobots
+from img_recog.nodes.web.tuning import Tuning
+from img_recog.processes.bag_recording import RecordingSwitch
 
 _SLIDER_THROTTLE_S = 0.05
 SETTLE_S = 1.0         # a slider that is moved is ahead of its value for this time
 _numbers = itertools.count()
+
+
+class Shared(NamedTuple):
+    """What all pages share. simulator: its parameters."""
+
+    robots: ShownRobots
+    simulator: Tuning
+    recorder: RecordingSwitch
+
+
+class Visit(NamedTuple):
+    """A page of a visitor, for one robot. pictures: those that it can show."""
+
+    shared: Shared
+    robot: ShownRobot
+    texts: Texts
+    pictures: List[PictureTopic]
 
 
 def card(title: str) -> Any:
@@ -43,6 +62,15 @@ def picture(texts: Texts, shown: PictureTopic, classes: str = '') -> Any:
             ui.label(texts('no_image'))
         ui.element('div').classes('age').props('aria-live=off')
     return section
+
+
+def numbers(event: Any, *keys: str) -> List[float]:
+    """Return what an event has by these keys, empty if it is no numbers: browsers send anything.
+    """
+    try:
+        return [float(event.args[key]) for key in keys]
+    except (TypeError, ValueError, KeyError, OverflowError):
+        return []
 
 
 def button(icon: str, label: str, on_click: Callable) -> Any:

@@ -8,8 +8,8 @@ from typing import Any, Callable
 from nicegui import ui
 
 from img_recog.nodes.web.color_samples import SamplesState
-from img_recog.nodes.web.page_elements import OneCall, button, card, paragraph, wait_for
-from img_recog.nodes.web.visit import Visit
+from img_recog.nodes.web.page_elements import (
+    OneCall, Visit, button, card, paragraph, wait_for)
 from img_recog.recognition.fitting.bounds import as_parameters
 from img_recog.recognition.fitting.marked import SAMPLES_FILE
 from img_recog.recognition.fitting.offers import Offer

@@ -6,7 +6,7 @@ from fastapi import FastAPI
 from img_recog.nodes.web import (
     colors_tab, graph_tab, live_tab, log_tab, navigation_tab, nodes_tab, page_texts)
 from img_recog.nodes.web.measurements import Source
-from img_recog.nodes.web.visit import Visit
+from img_recog.nodes.web.page_elements import Visit
 
 
 class Tab(NamedTuple):

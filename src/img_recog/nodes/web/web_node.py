@@ -37,13 +37,12 @@ from img_recog.nodes.web.authentication import Authentication
 from img_recog.nodes.web.feed import Feed
 from img_recog.nodes.web.measurements import SystemTopics
 from img_recog.nodes.web.pictures import PictureTopics
+from img_recog.nodes.web.page_elements import Shared
 from img_recog.nodes.web.page_server import Server, address, listen, report_errors
-from img_recog.nodes.web.web_settings import WebSettings
-from img_recog.nodes.web.shown_robot import resolve
-from img_recog.nodes.web.shown_robots import ShownRobots
+from img_recog.nodes.web.shown_robots import ShownRobots, resolve
 from img_recog.nodes.web.tabs import TABS
 from img_recog.nodes.web.tuning import Tuning
-from img_recog.nodes.web.visit import Shared
+from img_recog.nodes.web.web_settings import WebSettings
 from img_recog.processes import bag_recording
 from img_recog.processes.bag_recording import BagRecording, RecordingSwitch
 from img_recog.ros import lifecycle, parameters

@@ -8,7 +8,7 @@ import pytest
 
 from img_recog import files
 from img_recog.errors import UserError
-from img_recog.nodes.web import color_samples, color_tuning
+from img_recog.nodes.web import color_samples, tuning
 from img_recog.nodes.web.color_samples import ColorSamples
 from img_recog.recognition.fitting.offers import Offer
 from img_recog_helpers.waiting import wait_for
@@ -83,7 +83,7 @@ def test_a_refused_mark_changes_nothing(samples):
 
 
 def test_without_a_picture(search, monkeypatch):
-    monkeypatch.setattr(color_tuning, 'ANSWER_TIMEOUT_S', 0.1)
+    monkeypatch.setattr(tuning, 'ANSWER_TIMEOUT_S', 0.1)
     samples = ColorSamples('/camera', SimpleNamespace(
         latest=lambda topic: None, image=lambda topic: None))
     with pytest.raises(UserError, match='there is no picture of /camera; try again'):

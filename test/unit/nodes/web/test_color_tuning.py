@@ -8,8 +8,8 @@ import yaml
 
 from img_recog import files
 from img_recog.errors import UserError
-from img_recog.nodes.web import color_tuning
-from img_recog.nodes.web.color_tuning import ColorTuning
+from img_recog.nodes.web import tuning
+from img_recog.nodes.web.tuning import ColorTuning
 from img_recog.recognition import parameter_file
 from img_recog.recognition.recognition_settings import with_colors
 
@@ -98,6 +98,6 @@ def test_what_was_changed_can_be_changed_back():
 @pytest.mark.parametrize('action', [ColorTuning.save,
                                     lambda colors: colors.replace({'blue_hue_min': 100})])
 def test_changes_that_cannot_be_sent_are_not_left_out_in_silence(monkeypatch, missing, action):
-    monkeypatch.setattr(color_tuning, 'ANSWER_TIMEOUT_S', 0.2)
+    monkeypatch.setattr(tuning, 'ANSWER_TIMEOUT_S', 0.2)
     with pytest.raises(UserError, match='/one/color_extract does not answer; start it'):
         action(Colors(**missing))

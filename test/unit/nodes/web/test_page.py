@@ -7,9 +7,9 @@ from fastapi.testclient import TestClient
 from nicegui import Client, ui
 
 from img_recog.nodes.web import page
-from img_recog.nodes.web.shown_robot import PictureTopic
+from img_recog.nodes.web.page_elements import Shared
+from img_recog.nodes.web.shown_robots import PictureTopic
 from img_recog.nodes.web.tabs import Tab
-from img_recog.nodes.web.visit import Shared
 from img_recog.teleoperation.teleop_settings import VelocityLimits
 
 
