@@ -1,7 +1,7 @@
 """A thread that reads frames from a source, detects a stall, and reopens a lost source."""
 import threading
 import time
-from typing import Callable, Optional
+from typing import Callable, Optional, Tuple
 
 import numpy as np
 
@@ -54,7 +54,8 @@ class Capture:
     """Reads frames in a thread between `start` and `stop`, and passes them to a listener.
 
     A source that has `reconnects` set, and that was open before, is reopened whenever it is lost:
-    it is closed first, and retried with a delay that grows from 0.5 s to 5 s.
+    it is closed first, and retried with a delay that grows from 0.5 s to 5 s. One that `loops` is
+    reopened when it has ended, too; seeking would be inexact in many films.
     """
 
     def __init__(self, open_source: Callable[[], FrameSource], listener: Listener,
@@ -72,6 +73,8 @@ class Capture:
         self._wait = wait or self._stopping.wait
         self._lock = threading.Lock()
         self._shut_down = self._reconnects = self._lost = False
+        self._ended: Optional[FrameSource] = None       # that loops, and is about to start again
+        self._pacer: Optional[Pacer] = None
         self._reading: Optional[FrameSource] = None
         self._reading_since = 0.0
         self._thread: Optional[threading.Thread] = None
@@ -145,20 +148,23 @@ class Capture:
             self._stopping.set()
 
     def _capture(self) -> None:
-        retry_s = FIRST_RETRY_S
+        retry_s, self._ended = FIRST_RETRY_S, None
         while not self._stopping.is_set():
             try:
                 source = self._open_source()
             except SourceError as error:
                 if not self._reconnects:
                     self._request_stop()
-                    self._listener.failed(error, opening=True)
+                    self._listener.failed(error, opening=self._ended is None)
                     return
+                self._ended = None
                 self._set_lost(str(error))
             else:
                 self._reconnects = source.reconnects
                 if self._read_all(source):
                     retry_s = FIRST_RETRY_S
+                if self._ended is not None:
+                    continue
             if self._pause(retry_s):
                 return
             retry_s = min(2.0 * retry_s, LAST_RETRY_S)
@@ -167,12 +173,10 @@ class Capture:
         """Pass on frames until the source ends or fails; return whether there was any frame."""
         any_frame = False
         try:
-            if not self._lost:
-                self._listener.opened(source)
-            pacer = Pacer(source.rate_hz, self._now) if source.rate_hz else None
+            size = self._begin(source)
             limit = RateLimit(source.max_hz) if source.max_hz else None
             period_s = 1.0 / source.rate_hz if source.rate_hz else 0.0
-            read_s, size = 0.0, (source.width, source.height)
+            read_s = 0.0
             while not self._stopping.is_set():
                 if (_NOTHING_S < read_s < _MAX_READING_SHARE * period_s
                         and self._pause(_RECEIVING_SHARE * period_s)):
@@ -185,7 +189,7 @@ class Capture:
                         self._now() - source.age_s):
                     self._listener.dropped()
                     continue
-                if pacer is not None and self._pause(pacer.delay_s(source.time_s)):
+                if self._pacer is not None and self._pause(self._pacer.delay_s(source.time_s)):
                     break
                 if image is not None:
                     any_frame = True
@@ -195,8 +199,11 @@ class Capture:
                         self._listener.resized(source)
                     self._listener.frame(source, image)
         except SourceEnded as end:
-            self._request_stop()
-            self._listener.ended(str(end))
+            if source.loops and any_frame:
+                self._ended = source
+            else:
+                self._request_stop()
+                self._listener.ended(str(end))
         except SourceError as error:
             if source.reconnects:
                 self._set_lost(str(error))
@@ -207,6 +214,19 @@ class Capture:
             # before it is reopened: a device that returns while it is still open gets a new name
             source.close()
         return any_frame
+
+    def _begin(self, source: FrameSource) -> Tuple[int, int]:
+        """Begin to read a source that is open; return the size of the frames before."""
+        before, self._ended = self._ended, None
+        if before is None or self._pacer is None or not source.rate_hz:
+            self._pacer = Pacer(source.rate_hz, self._now) if source.rate_hz else None
+        else:
+            self._pacer.restart(before.step_s or 1.0 / source.rate_hz)
+        if before is not None and before.description == source.description:
+            return before.width, before.height
+        if not self._lost:
+            self._listener.opened(source)
+        return source.width, source.height
 
     def _read(self, source: FrameSource) -> Optional[np.ndarray]:
         """Return the next frame, or None when it cannot be used."""

@@ -21,6 +21,7 @@ class Pacer:
         self._now = now
         self._start_s: Optional[float] = None       # when the time 0 is due
         self._count = 0
+        self._time_s = self._offset_s = 0.0     # of the last frame; of the times of a film
 
     def delay_s(self, time_s: Optional[float] = None) -> float:
         """Return the seconds until the next frame is due, 0 if it is late; advance to it.
@@ -28,8 +29,8 @@ class Pacer:
         time_s: the time of this frame; None: a period after the one before.
         """
         now_s = self._now()
-        if time_s is None:
-            time_s = self._count * self._period_s
+        time_s = self._count * self._period_s if time_s is None else self._offset_s + time_s
+        self._time_s = time_s
         self._count += 1
         if self._start_s is None:
             self._start_s = now_s - time_s
@@ -37,6 +38,10 @@ class Pacer:
         if late_s > self._period_s:
             self._start_s += (late_s // self._period_s) * self._period_s
         return max(0.0, self._start_s + time_s - now_s)
+
+    def restart(self, step_s: float) -> None:
+        """Have the times of frames begin with 0 again, which is due a step after the last one."""
+        self._offset_s = self._time_s + step_s
 
 
 class FrameTimes:
@@ -68,10 +73,6 @@ class FrameTimes:
     def is_even(self) -> bool:
         """Return whether the last step is the period of the stated rate."""
         return self._rate_hz > 0 and abs(self.step_s - 1.0 / self._rate_hz) <= self._ROUNDING_S
-
-    def restart(self) -> None:
-        """Say that the next frame is the first one of the film again: it is due a step later."""
-        self._decoder_s = None
 
     def next_s(self, decoder_s: Optional[float]) -> float:
         """Return the time of the next frame, which increases, by that of the decoder, if any."""

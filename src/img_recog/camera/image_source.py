@@ -43,7 +43,7 @@ class ImageSource(FrameSource):
 
 
 class FolderSource(FrameSource):
-    """The images of a folder in the order of their names, once or in a loop.
+    """The images of a folder in the order of their names.
 
     Images that do not have the size of the first one are skipped.
     """
@@ -55,7 +55,7 @@ class FolderSource(FrameSource):
 
         warn: called with a line if there is anything else in it.
         """
-        self.name, self._loop, self._max_pixels = path, loop, max_pixels
+        self.name, self.loops, self._max_pixels = path, loop, max_pixels
         self._paths, left_out = files_in(path, is_image)
         self.expected_frames = len(self._paths)
         first = self._first_image(left_out)
@@ -70,13 +70,8 @@ class FolderSource(FrameSource):
 
     def read(self) -> np.ndarray:
         if self._next_index == len(self._paths):
-            if not self._loop:
-                raise SourceEnded('the folder {} has ended after {} images'.format(
-                    self.name, self._good_count))
-            if self._good_count == 0:
-                raise SourceError('{} can no longer be read: emptied or replaced while it played'
-                                  .format(self.name))
-            self._next_index = self._good_count = 0
+            raise SourceEnded('the folder {} has ended after {} images'.format(
+                self.name, self._good_count))
         path = self._paths[self._next_index]
         self._next_index += 1
         try:

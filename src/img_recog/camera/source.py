@@ -44,6 +44,7 @@ class FrameSource(abc.ABC):
     expected_hz: the rate at which frames are expected to arrive, None when it is not known.
     max_hz: the rate above which frames are dropped, None for no limit.
     reconnects: whether to reopen it after `read` has failed.
+    loops: whether to reopen it after it has ended, and to go on as if it had not.
     stall_timeout_s: a `read` that takes longer is a stall; None for no timeout.
     age_s: time from the capture of the last frame to the return of `read`.
     time_s: when the last frame is due, counted from the first one; None: at `rate_hz`.
@@ -62,6 +63,7 @@ class FrameSource(abc.ABC):
     expected_hz: Optional[float] = None
     max_hz: Optional[float] = None
     reconnects: bool = False
+    loops: bool = False
     stall_timeout_s: Optional[float] = None
     age_s: float = 0.0
     time_s: Optional[float] = None

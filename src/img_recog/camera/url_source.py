@@ -33,7 +33,7 @@ def open_url(settings: UsbCamSettings, warn: Callable[[str], None]) -> FrameSour
     if scheme not in _SCHEMES:
         raise SourceError('cannot open {}: the URL of a stream begins with one of {}'.format(
             name, ', '.join(known + '://' for known in _SCHEMES)))
-    decoder = _open(url, max_pixels)
+    decoder = open_decoder(url, max_pixels, (_OPEN_TIMEOUT_S, _READ_TIMEOUT_S))
     if decoder is None:
         raise SourceError('cannot open {}: no stream that FFmpeg plays, or not within {:g} s'
                           .format(name, _OPEN_TIMEOUT_S), 'is its server running?')
@@ -46,14 +46,9 @@ def open_url(settings: UsbCamSettings, warn: Callable[[str], None]) -> FrameSour
         return StreamSource(name, decoder, announces_rate=not is_http, max_pixels=max_pixels)
 
 
-def _open(url: str, max_pixels: int) -> Optional[Decoder]:
-    return open_decoder(url, max_pixels, (_OPEN_TIMEOUT_S, _READ_TIMEOUT_S))
-
-
 class RemoteVideoSource(VideoSource):
     """A video at a URL; when it plays in a loop, it is reopened after its server has stalled."""
 
-    _unreadable = '{} can no longer be read: its server is gone, or has another video now'
     _incomplete = 'truncated or damaged, or its server closed the connection'
 
     def __init__(self, url: str, decoder: Decoder, loop: bool,
@@ -65,18 +60,15 @@ class RemoteVideoSource(VideoSource):
         self.stall_timeout_s = _STALL_TIMEOUT_S if loop else None
         super().__init__(url, loop, warn, max_pixels, decoder)
 
-    def _open(self) -> Optional[Decoder]:
-        return _open(self._path, self._max_pixels)
-
     def _not_playable(self) -> SourceError:
         return SourceError(
             'cannot play {}: FFmpeg decodes no frame of it (codec {}): it has no decoder for '
             'that, or the server has no range requests and the index of the .mp4 is at its end'
             .format(self.name, self._decoder.codec))
 
-    def _read_frame(self, decoder: Decoder) -> Optional[np.ndarray]:
+    def _read_frame(self) -> Optional[np.ndarray]:
         begin_s = self._now()
-        image = super()._read_frame(decoder)
+        image = super()._read_frame()
         silent_s = self._now() - begin_s
         if silent_s >= _READ_TIMEOUT_S:
             raise SourceError('the video {} stalls: its server has sent nothing for {:.1f} s'

@@ -24,7 +24,7 @@ def not_playable(name: str) -> SourceError:
 
 
 class VideoSource(FrameSource):
-    """A video that plays at the times of its frames, once or in a loop; damaged ones are skipped.
+    """A video that plays at the times of its frames; damaged ones are skipped.
 
     rate_hz: the frame rate of the video; if it varies, that of the first two frames.
     expected_hz: the same, None if it varies.
@@ -35,7 +35,6 @@ class VideoSource(FrameSource):
     rate_hz: float
     time_s: float = 0.0
     step_s: float
-    _unreadable = '{} can no longer be read: moved or replaced while it played'
     _incomplete = 'truncated or damaged'
 
     def __init__(self, path: str, loop: bool = True, warn: Callable[[str], None] = lambda _: None,
@@ -47,18 +46,16 @@ class VideoSource(FrameSource):
         max_pixels: a video whose frames have more pixels cannot be played.
         decoder: if the video is open already.
         """
+        self.name, self.loops = redacted(path), loop
+        self._warn, self._max_pixels = warn, max_pixels
+        self._count = self.damaged = self._damaged = 0
         # ffmpeg takes what is before a colon for a protocol, but not in an absolute path
-        self._path = path if '://' in path else os.path.abspath(path)
-        self._loop, self._warn, self._max_pixels = loop, warn, max_pixels
-        self.name = redacted(path)
-        self._count = self._position = 0        # frames that were read; since the last start
-        self.damaged = self._damaged = 0
-        opened = decoder or self._open()
+        opened = decoder or open_decoder(os.path.abspath(path), max_pixels)
         if opened is None:
             raise not_playable(self.name)
         self._decoder = opened
         with released_on_error(self._decoder):
-            first = self._read_frame(self._decoder)
+            first = self._read_frame()
             if first is None:
                 raise self._not_playable()
             stated_hz = self._decoder.rate_hz
@@ -66,7 +63,7 @@ class VideoSource(FrameSource):
             # with the times, and damaged frames before; None: the end
             self._next: Deque[Optional[Tuple[np.ndarray, float, int]]] = deque()
             self._append(first)
-            self._append(self._read_frame(self._decoder))
+            self._append(self._read_frame())
             self.step_s = self._times.step_s
             if not self.step_s > 0:
                 raise SourceError('cannot play {}: neither its frame rate nor the times of its '
@@ -77,7 +74,7 @@ class VideoSource(FrameSource):
         self.expected_hz = stated_hz if is_even else None
         self.expected_frames = self._decoder.frame_count
         self._expected_s = self.expected_frames / stated_hz if stated_hz > 0 else 0.0
-        self._first_size = self.height, self.width = first.shape[:2]
+        self.height, self.width = first.shape[:2]
         self.description = 'video {}, {}x{}, {}, played {}'.format(
             self.name, self.width, self.height,
             '{:g} Hz'.format(stated_hz) if is_even else 'variable rate',
@@ -92,14 +89,10 @@ class VideoSource(FrameSource):
                 self.name, self._count))
         frame, self.time_s, self.damaged = following
         self._count += 1
-        self._position += 1
         if not self._next:
-            self._append(self._read_frame(self._decoder))
+            self._append(self._read_frame())
         if self._next[0] is None:
             self._check_length()
-            if self._loop:
-                self._next.clear()
-                self._append(self._rewind())
         self.step_s = self._times.step_s
         self.height, self.width = frame.shape[:2]
         return frame
@@ -108,19 +101,16 @@ class VideoSource(FrameSource):
         self._next.append(None if image is None else (
             image, self._times.next_s(self._decoder.time_s), self._damaged))
 
-    def _open(self) -> Optional[Decoder]:
-        return open_decoder(self._path, self._max_pixels)
-
     def _not_playable(self) -> SourceError:
         return SourceError(
             'cannot play {}: FFmpeg decodes no frame of it (codec {}): it has no decoder for '
             'that, or the file is damaged'.format(self.name, self._decoder.codec),
             'convert it: ffmpeg -i INPUT -c:v libx264 OUTPUT.mp4')
 
-    def _read_frame(self, decoder: Decoder) -> Optional[np.ndarray]:
+    def _read_frame(self) -> Optional[np.ndarray]:
         for _ in range(_MAX_DAMAGED_FRAMES):
             try:
-                image = decoder.read()
+                image = self._decoder.read()
             except FrameSkipped:
                 self._damaged += 1
                 continue
@@ -130,26 +120,11 @@ class VideoSource(FrameSource):
             return image
         return None
 
-    def _rewind(self) -> np.ndarray:
-        # reopened, because seeking is inexact in many containers
-        self._decoder.release()
-        decoder = self._open()
-        if decoder is None:
-            raise SourceError(self._unreadable.format(self.name))
-        self._decoder = decoder
-        image = self._read_frame(decoder)
-        if image is None or image.shape[:2] != self._first_size:
-            raise SourceError(self._unreadable.format(self.name))
-        self._position = 0
-        self._times.restart()
-        return image
-
     def _check_length(self) -> None:
         # of some containers the frame count is that of their duration at a constant rate
         missing = self.expected_frames - self._count
         missing_s = self._expected_s - self.time_s - self._times.longest_step_s
-        is_first_end = self._count == self._position
-        if (is_first_end and missing > max(_MISSING_FRAMES, _MISSING_SHARE * self.expected_frames)
+        if (missing > max(_MISSING_FRAMES, _MISSING_SHARE * self.expected_frames)
                 and missing_s > _MISSING_SHARE * self._expected_s):
             self._warn('the video {} breaks off after {} of {} frames: {}'.format(
                 self.name, self._count, self.expected_frames, self._incomplete))

@@ -219,6 +219,48 @@ def test_what_is_not_retried_ends_with_one_call_and_is_closed(clock, opening, ca
     assert not [seconds for seconds in rig.waits if seconds >= 0.5]
 
 
+OVER = SourceEnded('over')
+
+
+def looping(*steps, **attributes):
+    return video(*steps, OVER, loops=True, **attributes)
+
+
+@pytest.mark.parametrize('again, calls', [
+    # it is not opened again for the listener, and keeps the pace
+    ([looping(0.03125, 0.0), SourceError('moved')], [
+        ('frame', 0.25), ('frame', 0.375), ('failed', 'moved', False, 0.375)]),
+    # another one now, of its own rate, and one with another size than the last frame had
+    ([looping(0.0, description='other', width=3), SourceError('moved')], [
+        ('opened', 0.125), ('frame', 0.25), ('failed', 'moved', False, 0.25)]),
+    ([looping(0.0, width=3), SourceError('moved')], [
+        ('resized', 3, 0.25), ('frame', 0.25), ('failed', 'moved', False, 0.25)]),
+    # without a frame it would go on for ever
+    ([looping()], [('ended', 'over', 0.125)])])
+def test_a_source_that_loops_is_opened_again_at_its_end(clock, again, calls):
+    rig = Rig(clock, looping(0.0, 0.0), *again)
+    assert rig.run() == [('opened', 0.0), ('frame', 0.0), ('frame', 0.125), *calls]
+    assert all(source.closed == 1 for source in rig.opened)
+    assert not [seconds for seconds in rig.waits if seconds >= 0.5]
+
+
+def test_the_times_of_a_film_go_on_when_it_starts_again(clock):
+    def read(time_s):
+        rig.opened[-1].time_s, rig.opened[-1].step_s = time_s, 0.25
+    film = looping(*(partial(read, time_s) for time_s in (0.0, 0.5, 0.75)), rate_hz=2.0)
+    rig = Rig(clock, film, film, film, SourceError('moved'))
+    assert [call[1] for call in rig.run() if call[0] == 'frame'] == [
+        0.0, 0.5, 0.75, 1.0, 1.5, 1.75, 2.0, 2.5, 2.75]
+
+
+def test_a_source_that_cannot_be_opened_again_is_lost_if_it_reconnects(clock):
+    film = looping(0.0, reconnects=True)
+    rig = Rig(clock, film, SourceError('its server is gone'), film)
+    rig.run()
+    assert rig.listener.names() == ['opened', 'frame', 'lost', 'opened', 'reconnected', 'frame']
+    assert 0.5 in rig.waits
+
+
 def test_another_size_is_said_once_before_its_first_frame(clock):
     def grow():
         rig.opened[-1].width = 3

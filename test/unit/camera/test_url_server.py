@@ -22,19 +22,11 @@ def test_video_at_a_url_plays_at_its_own_rate_and_ends(make_video, served, schem
     os.rename(path, os.path.join(os.path.dirname(path), name.split('?')[0]))
     source = opened('{}://{}{}'.format(scheme, served, name), loop=False)
     assert isinstance(source, RemoteVideoSource) and source.rate_hz == 12.5
-    for _ in range(6):
-        assert source.read().shape == (64, 96, 3)
-    with pytest.raises(SourceEnded):
-        source.read()
-    source.close()
-
-
-def test_video_at_a_url_loops(make_video, served):
-    make_video()
-    source = opened('http://{}video.avi'.format(served))
-    for number in list(range(6)) * 2:
+    for number in range(6):
         wanted = smooth_image(number)[..., ::-1].astype(int)
         assert np.abs(source.read() - wanted).mean() < 3.0, number
+    with pytest.raises(SourceEnded):
+        source.read()
     source.close()
 
 

@@ -145,14 +145,6 @@ def test_video_that_is_truncated_by_its_server_is_one_warning(clock):
                         'or damaged, or its server closed the connection']
 
 
-def test_video_whose_server_is_gone_when_it_loops(clock, monkeypatch):
-    source = remote_video(clock, True, False, count=1)
-    monkeypatch.setattr('img_recog.camera.decoder.Decoder',
-                        lambda *_: FakeDecoder(clock, [False]))
-    with pytest.raises(SourceError, match='its server is gone, or has another video now$'):
-        source.read()
-
-
 @pytest.mark.parametrize('url, shown', [
     ('rtsp://user:pass@host:554/live', 'rtsp://host:554/live'),
     ('rtsp://user:p@ss@host/live', 'rtsp://host/live'),

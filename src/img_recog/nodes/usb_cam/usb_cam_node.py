@@ -13,7 +13,7 @@ CompressionSettings in ~image_raw/compressed.
 """
 import threading
 import time
-from typing import List, Optional
+from typing import List, Optional, Set
 
 import numpy as np
 import rospy
@@ -66,6 +66,7 @@ class UsbCam(Listener):
                           self._settings.io_method)
         self._calibration = CameraCalibration(self._settings)
         self._stamps = Stamps()
+        self._warned: Set[str] = set()
         self._failure: Optional[Exception] = None
         self.is_blocked = False
         self._opened_or_ended, self._ended = threading.Event(), threading.Event()
@@ -107,9 +108,14 @@ class UsbCam(Listener):
             raise self._failure
 
     def _open(self) -> FrameSource:
-        source = selection.open_source(self._settings, files.user_folders(), rospy.logwarn)
+        source = selection.open_source(self._settings, files.user_folders(), self._warn_once)
         self._controls.set_device(getattr(source, 'path', None))
         return source
+
+    def _warn_once(self, line: str) -> None:
+        if line not in self._warned:        # not again each time the source is opened again
+            self._warned.add(line)
+            rospy.logwarn('%s', line)
 
     def opened(self, source: FrameSource) -> None:
         log = rospy.logwarn if source.differs else rospy.loginfo
