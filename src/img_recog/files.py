@@ -147,7 +147,7 @@ def atomic_write(paths: Sequence[str],
     locks: List[int] = []
     try:
         for path, part in zip(paths, parts):
-            with _refusal(path, advice):
+            with refusal(path, advice):
                 files.append(_create(part, locks))
         try:
             yield files
@@ -155,14 +155,14 @@ def atomic_write(paths: Sequence[str],
             if error.errno not in DISK_ERRORS or error.filename not in (None, *parts):
                 raise
             # without a file name it may be about each of them
-            with _refusal(', '.join(path for path, part in zip(paths, parts)
-                                    if error.filename in (None, part)), advice):
+            with refusal(', '.join(path for path, part in zip(paths, parts)
+                                   if error.filename in (None, part)), advice):
                 raise
         for path, file in zip(paths, files):        # the disk may be full only now
-            with _refusal(path, advice):
+            with refusal(path, advice):
                 file.close()
         for path, part, target in zip(paths, parts, targets):
-            with _refusal(path, advice):
+            with refusal(path, advice):
                 os.replace(part, target)
     finally:
         for file in files:
@@ -232,7 +232,8 @@ def _removed_if_unlocked(path: str) -> bool:
 
 
 @contextlib.contextmanager
-def _refusal(path: str, advice: str) -> Iterator[None]:
+def refusal(path: str, advice: str) -> Iterator[None]:
+    """Raise UserError for an OSError in the block, which says that `path` cannot be written."""
     try:
         yield
     except OSError as error:

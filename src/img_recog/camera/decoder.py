@@ -17,7 +17,7 @@ import numpy as np
 from av.error import FFmpegError
 from av.sidedata.sidedata import SideDataContainer
 
-from img_recog.camera.rgb_frames import RgbFrames
+from img_recog.camera.rgb_frames import rgb_array
 from img_recog.camera.source import FrameSkipped, check_size, redacted
 
 # An RTSP server sends by UDP otherwise, and frames whose packets are lost are damaged.
@@ -63,7 +63,6 @@ class Decoder:
         self._stream = stream = streams[0]
         self._context = stream.codec_context        # None if there is no decoder
         self._frames: Deque[av.VideoFrame] = deque()
-        self._rgb_frames = RgbFrames()
         self._packets: Optional[Iterator[av.Packet]] = None
         self.width = self.height = 0
         if self._context is not None:
@@ -119,7 +118,7 @@ class Decoder:
             frame = self._frames.popleft()
             self.ticks = frame.dts if frame.pts is None else frame.pts
             self.time_s = None if self.ticks is None else self.seconds(self.ticks)
-            image = self._rgb_frames.array(frame)
+            image = rgb_array(frame)
         except (FFmpegError, ValueError) as error:
             raise FrameSkipped('{} gave an empty or damaged frame'.format(
                 redacted(self._container.name))) from error
@@ -143,7 +142,6 @@ class Decoder:
                 self._context.close(strict=False)
         self._context = self._packets = None
         self._frames.clear()
-        self._rgb_frames.release()
         self._container.close()
 
     def _fill(self) -> bool:

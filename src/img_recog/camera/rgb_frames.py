@@ -6,58 +6,40 @@ what states nothing for BT.601 in the limited range. It gives the pixels of the 
 """
 import threading
 from fractions import Fraction
-from typing import List, Optional, Tuple
+from typing import Optional, Tuple
 
 import av
 import av.filter
 import numpy as np
 
-_Kind = Tuple[str, int, int]        # format, width, height
-_MAX_IDLE = 4
-# PyAV 10's graphs refer to themselves: Python frees their memory and threads late. So those of
-# films that are closed wait here for the next one, which may be the same film in a loop.
-_idle: List[Tuple[_Kind, 'av.filter.Graph']] = []
-_idle_lock = threading.Lock()
+
+class _Graph(threading.local):
+    """The filters of a thread, for frames of one kind: format, width and height.
+
+    They stay when a film is closed, for the next one, which may be the same film in a loop:
+    PyAV 10's graphs refer to themselves, and Python frees their memory and threads late.
+    """
+
+    kind: Tuple[str, int, int] = ('', 0, 0)
+    graph: Optional[av.filter.Graph] = None
 
 
-class RgbFrames:
-    """Converts frames; each may have another format and size."""
-
-    def __init__(self) -> None:
-        self._graph: Optional[Tuple[_Kind, av.filter.Graph]] = None
-
-    def array(self, frame: 'av.VideoFrame') -> np.ndarray:
-        """Return a frame as rgb8; raise FFmpegError or ValueError if it cannot be converted."""
-        kind = frame.format.name, frame.width, frame.height
-        if self._graph is None or self._graph[0] != kind:
-            self.release()
-            self._graph = kind, _taken(kind) or _made(frame)
-        graph = self._graph[1]
-        try:
-            graph.push(frame)
-            converted = graph.pull()
-        except BaseException:
-            self._graph = None      # it would take no other frame
-            raise
-        plane = converted.planes[0]
-        # no copy, unless the rows are padded
-        return np.ascontiguousarray(np.ndarray(
-            (converted.height, converted.width, 3), np.uint8, plane,
-            strides=(plane.line_size, 3, 1)))
-
-    def release(self) -> None:
-        """Let others use what it needs; it can be used again."""
-        if self._graph is not None:
-            with _idle_lock:
-                _idle.append(self._graph)
-                del _idle[:-_MAX_IDLE]
-        self._graph = None
+_own = _Graph()
 
 
-def _taken(kind: _Kind) -> 'Optional[av.filter.Graph]':
-    with _idle_lock:
-        number = next((number for number, (each, _) in enumerate(_idle) if each == kind), None)
-        return None if number is None else _idle.pop(number)[1]
+def rgb_array(frame: 'av.VideoFrame') -> np.ndarray:
+    """Return a frame as rgb8; raise FFmpegError or ValueError if it cannot be converted."""
+    kind = frame.format.name, frame.width, frame.height
+    graph = _own.graph if _own.graph is not None and _own.kind == kind else _made(frame)
+    _own.kind, _own.graph = kind, None      # after an error, it would take no other frame
+    graph.push(frame)
+    converted = graph.pull()
+    _own.graph = graph
+    plane = converted.planes[0]
+    # no copy, unless the rows are padded
+    return np.ascontiguousarray(np.ndarray(
+        (converted.height, converted.width, 3), np.uint8, plane,
+        strides=(plane.line_size, 3, 1)))
 
 
 def _made(frame: 'av.VideoFrame') -> 'av.filter.Graph':

@@ -1,5 +1,4 @@
 """The samples of colors that visitors mark in pictures of a camera, and the bounds for them."""
-import contextlib
 import os
 import shutil
 import tempfile
@@ -88,7 +87,7 @@ class ColorSamples:
             if self._saved[0] == content and os.path.isdir(path):
                 return path
             path = files.free_output_path('samples', '')
-            with _refusal(path):
+            with files.refusal(path, FOLDER_ADVICE):
                 folder = tempfile.mkdtemp(prefix='.samples', dir=os.path.dirname(path))
                 try:
                     marked.write(now, folder)
@@ -121,12 +120,3 @@ class ColorSamples:
                     self.state = self.state._replace(
                         offers=found, is_searching=False, problem=problem)
                     return
-
-
-@contextlib.contextmanager
-def _refusal(path: str) -> Any:
-    try:
-        yield
-    except OSError as error:
-        raise UserError('cannot write {}: {}'.format(path, one_line(error).lower()),
-                        FOLDER_ADVICE)
