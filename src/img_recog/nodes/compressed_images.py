@@ -1,6 +1,6 @@
 """A topic of compressed images for a topic of raw images, like the plugin of image_transport."""
 import threading
-from typing import Optional
+from typing import Optional, Union
 
 import numpy as np
 import rospy
@@ -47,9 +47,7 @@ class CompressedImages:
         self._images, self._closed = LatestValue(), threading.Event()
         self._warn = ThrottledWarning()
         self.sent, self.dropped = EventCounter(), EventCounter()
-        self._publisher = (rospy.Publisher(name, CompressedImage, queue_size=1)
-                           if redelivery is None else
-                           DirectPublisher(name, CompressedImage, redelivery=redelivery))
+        self._publisher = publisher(name, CompressedImage, 1, redelivery)
         self._is_kept, self._was_wanted = redelivery is not None, False
         self._parameters = Reconfigurable(settings, lambda _: None, name)
         self._worker = threading.Thread(target=self._work, daemon=True)
@@ -98,3 +96,10 @@ class CompressedImages:
         except Exception as error:
             if not lifecycle.is_of_shutdown(error):
                 raise
+
+
+def publisher(topic: str, data_class: type, queue_size: int, redelivery: Optional[Redelivery]
+              ) -> Union[rospy.Publisher, DirectPublisher]:
+    """Advertise a topic, whose messages are sent by `redelivery`, if there is one."""
+    return (rospy.Publisher(topic, data_class, queue_size=queue_size) if redelivery is None
+            else DirectPublisher(topic, data_class, redelivery=redelivery))

@@ -2,7 +2,7 @@
 import threading
 import zlib
 from functools import partial
-from typing import Any, Optional, Set, Union
+from typing import Any, Optional, Set
 
 import cv2
 import numpy as np
@@ -14,11 +14,10 @@ from std_msgs.msg import Header
 from img_recog import rotations
 from img_recog.conversions import camera_info_msgs, depth_msgs, robot_msgs
 from img_recog.conversions.robot_cameras import DrawnCamera
-from img_recog.nodes.compressed_images import CompressedImages
+from img_recog.nodes.compressed_images import CompressedImages, publisher
 from img_recog.rendering import rays
 from img_recog.rendering.camera import Camera
 from img_recog.rendering.server import Picture, Shot
-from img_recog.ros.transport.direct_publisher import DirectPublisher
 from img_recog.ros.transport.image_publisher import ImagePublisher, LargePublisher
 from img_recog.ros.transport.redelivery import Redelivery
 from img_recog.simulation.sensors.robot_camera import Exposure, optical_frame
@@ -52,13 +51,13 @@ class CameraTopics:
         # first: it fails if its parameters are wrong
         self._compressed = CompressedImages(settings.camera_image_topic, redelivery)
         self._images = ImagePublisher(settings.camera_image_topic, redelivery)
-        self._infos = [_publisher(settings.camera_info_topic, CameraInfo, _INFO_QUEUE_SIZE,
-                                  redelivery)]
+        self._infos = [publisher(settings.camera_info_topic, CameraInfo, _INFO_QUEUE_SIZE,
+                                 redelivery)]
         self._depths = self._points = None
         if settings.camera_depth_topic:
             self._depths = ImagePublisher(settings.camera_depth_topic, redelivery)
-            self._infos.append(_publisher(settings.camera_depth_info_topic, CameraInfo,
-                                          _INFO_QUEUE_SIZE, redelivery))
+            self._infos.append(publisher(settings.camera_depth_info_topic, CameraInfo,
+                                         _INFO_QUEUE_SIZE, redelivery))
         if settings.camera_points_topic:
             self._points = LargePublisher(settings.camera_points_topic, PointCloud2, redelivery)
         if self._drawn.calibration is None:
@@ -105,8 +104,8 @@ class CameraTopics:
         if depth is not None:
             self._publish_depths(depth, image, header)
         info = self.info(header)
-        for publisher in self._infos:
-            publisher.publish(info)
+        for each in self._infos:
+            each.publish(info)
 
     def _publish_depths(self, depth: np.ndarray, image: np.ndarray, header: Header) -> None:
         settings = self.settings
@@ -132,15 +131,9 @@ class CameraTopics:
             self._is_closed = True
         self._images.unregister()
         self._compressed.close()
-        for publisher in (self._depths, self._points, *self._infos):
-            if publisher is not None:
-                publisher.unregister()
-
-
-def _publisher(topic: str, data_class: type, queue_size: int, redelivery: Optional[Redelivery]
-               ) -> Union[rospy.Publisher, DirectPublisher]:
-    return (rospy.Publisher(topic, data_class, queue_size=queue_size) if redelivery is None
-            else DirectPublisher(topic, data_class, redelivery=redelivery))
+        for each in (self._depths, self._points, *self._infos):
+            if each is not None:
+                each.unregister()
 
 
 def optical_transform(settings: CameraSettings) -> TransformStamped:

@@ -25,40 +25,27 @@ class RuntimeSettings(Settings):
     view: str = setting('above', one_of(*VIEWS), 'viewpoint of ~view/image_raw')
 
 
-class ServiceCalls:
+class ServiceCalls(CallQueue):
     """Lets the loop that steps the simulation do what service handlers need done.
 
     late: counts the calls that the loop did not do in time.
     """
 
     def __init__(self):
-        self._queue = CallQueue()
+        super().__init__()
         self.late = EventCounter()
 
-    @property
-    def waiting(self) -> int:
-        """The number of calls that the loop has not begun."""
-        return len(self._queue)
-
-    def call(self, action: Callable[[], Any]) -> Any:
+    def call(self, action: Callable[[], Any], timeout_s: float = _TIMEOUT_S) -> Any:
         """Have the loop call `action`; return what it returns, raise what it raises.
 
         Raises SimulationError when the loop does not do so in time.
         """
         try:
-            return self._queue.call(action, _TIMEOUT_S)
+            return super().call(action, timeout_s)
         except CallTimeoutError:
             self.late.add()
-            raise SimulationError('the simulation did not answer within {:g} s'.format(_TIMEOUT_S),
+            raise SimulationError('the simulation did not answer within {:g} s'.format(timeout_s),
                                   'wait and look: what it has begun, it completes')
-
-    def wake(self) -> None:
-        """End the wait of the loop."""
-        self._queue.wake()
-
-    def process(self, timeout_s: float) -> None:
-        """Call in the loop: do the waiting calls, or wait up to `timeout_s` for the first."""
-        self._queue.process(timeout_s)
 
 
 def serve_physics(calls: ServiceCalls, actions: Mapping[str, Callable[[], None]]) -> None:

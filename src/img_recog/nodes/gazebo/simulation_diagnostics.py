@@ -75,7 +75,7 @@ class SimulationDiagnostics:
         status.add('real time factor', '{:.2f}'.format(pace.measured))
         status.add('wanted real time factor', '{:g}'.format(pace.wanted))
         add_durations(status, 'clock period', self.steps)
-        status.add('waiting service calls', str(self._calls.waiting))
+        status.add('waiting service calls', str(len(self._calls)))
         status.add('service calls that timed out', str(self._calls.late.total))
 
 

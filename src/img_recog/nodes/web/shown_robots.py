@@ -1,7 +1,7 @@
 """The robots that pages show and drive."""
 import re
 import threading
-from typing import Dict, List, Mapping, NamedTuple, Set, Tuple
+from typing import Dict, List, Mapping, NamedTuple, Set, Union
 
 import rosgraph
 import rospy
@@ -22,7 +22,6 @@ from img_recog.ros.master import master
 from img_recog.teleoperation.teleop_settings import VelocityLimits
 
 _COMMANDS, _ODOMETRY = 'cmd_vel', 'odom'
-_PARTS = re.compile('([0-9]+)')
 
 TopicUsers = Mapping[str, List[str]]
 
@@ -155,6 +154,6 @@ def names_in(published: TopicUsers, subscribed: TopicUsers, namespace: str,
     return []
 
 
-def _natural(name: str) -> List[Tuple[int, str]]:
+def _natural(name: str) -> List[Union[str, int]]:
     """Sort tb3_2 before tb3_10."""
-    return [(int(part), '') if part.isdigit() else (0, part) for part in _PARTS.split(name)]
+    return [int(part) if part.isdigit() else part for part in re.split('([0-9]+)', name)]

@@ -49,7 +49,6 @@ def publishers(monkeypatch):
     for module in (camera_topics, view_topic):
         monkeypatch.setattr(module, 'ImagePublisher', FakePublisher)
     monkeypatch.setattr(camera_topics, 'CompressedImages', FakeCompressed)
-    for name in ('DirectPublisher', 'LargePublisher'):
+    for name in ('publisher', 'LargePublisher'):
         monkeypatch.setattr(camera_topics, name, FakePublisher)
-    monkeypatch.setattr(camera_topics.rospy, 'Publisher', FakePublisher)
     return FakePublisher.made
