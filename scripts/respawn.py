@@ -8,8 +8,8 @@ does not take it beside required="true", by which the demo ends then.
 
 The node is started again after a signal (kill -9, a crash), after an unexpected exception (exit
 code 70), when no master answers (75), and after a shutdown from outside (77, as by rosnode kill).
-After any other exit code it is not: the reason is printed, and with --required, roslaunch is
-interrupted. Else this program waits for roslaunch to end it, because roslaunch would start it
+After any other exit code it is not: the reason is printed, and with --required, or after 78 (a
+parameter has a value that is not allowed), roslaunch is interrupted. Else this program waits for roslaunch to end it, because roslaunch would start it
 again whatever its exit code is.
 """
 import argparse
@@ -26,6 +26,7 @@ from img_recog.processes import launch_output, process_tree, signals
 _STARTED_AGAIN = {70: 'unexpected exception', 75: 'no master answers',
                   77: 'shut down from outside'}
 _FINISHED = {0: 'it has finished', 76: 'another node has taken its name'}
+_REFUSED = 78
 _LONG_LIFE_S = 4.0              # a node that lived so long is started again at once
 _FIRST_DELAY_S, _MAX_DELAY_S = 0.5, 5.0
 _POLL_PERIOD_S = 0.1
@@ -115,7 +116,7 @@ class Respawner:
         reason = (_FINISHED.get(code)
                   or launch_output.last_error(_value('__log:=', self._command))
                   or launch_output.described(code))
-        if self._required:
+        if self._required or code == _REFUSED:
             self._say('ended, and the demo with it: {}'.format(reason))
             self._wait(self._began_s + _MIN_AGE_TO_INTERRUPT_S - time.monotonic())
             if not self._signum and os.getppid() == self._parent:

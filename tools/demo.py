@@ -17,7 +17,6 @@ import termios
 import time
 
 import demo_master
-import demo_values
 from demo_arguments import ArgumentError, Arguments
 
 from img_recog.command_line.messages import message
@@ -239,20 +238,36 @@ class Supervisor:
             self._noticed = len(self._deaths)
 
     def _repeat_reasons(self):
-        """Report at the end, below the output of roslaunch, which nodes ended by themselves."""
+        """Report at the end, below the output of roslaunch, which nodes ended, or why none began."""
         for death in self._deaths:
             self._say(launch_output.describe(death))
+        if self._output.exception and not (self._output.launching or self._stopped_by):
+            self._say(message('roslaunch has ended: {}', self._output.exception))
 
     def _say(self, text):
         with contextlib.suppress(OSError):
             self._channels[-1].say(text)
 
 
+def check_files(words):
+    """Raise UserError for a file that roslaunch itself cannot load: its errors have many lines.
+
+    words: as returned by Arguments.checked. Without such words, nothing is imported.
+    """
+    given = dict(word.split(':=', 1) for word in words if ':=' in word)
+    if 'colors' in given:
+        from img_recog.recognition import parameter_file
+        parameter_file.read(given['colors'])
+    if 'urdf' in given:
+        from img_recog.loading import robot_file
+        robot_file.read(given['urdf'])
+
+
 def main(launch_file, *words):
     """Run the demo with these arguments; return the exit code."""
     try:
         checked = Arguments(launch_file).checked(words)
-        demo_values.check(checked)
+        check_files(checked)
         claim = demo_master.Claim(checked)
     except (ArgumentError, UserError) as error:
         sys.stderr.write('[run] {}\n'.format(error))

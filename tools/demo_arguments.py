@@ -1,8 +1,9 @@
 #!/usr/bin/env python3
 """Check the arguments of ./run demo before anything starts.
 
-roslaunch ignores arguments that the launch file does not have, passes any value to the nodes, and
-prints its usage when a colon is missing. Here each mistake gives one line.
+roslaunch ignores arguments that the launch file does not have, and prints its usage when a colon
+is missing. What it or rosbag would say in many lines, or in none, gives one line here, too. All
+other values are checked by the nodes.
 """
 import os
 import re
@@ -19,9 +20,11 @@ OPTIONS_WITH_VALUE = ('-p', '--port', '-t', '--timeout', '-u', '--server_uri', '
                       '--numworkers',
                       '--args', '--find-node', '--master-logger-level', '--pid',
                       '--run_id', '--sigint-timeout', '--sigterm-timeout')
-URLS = ('http://', 'https://', 'rtmp://', 'rtsp://', 'rtsps://')
 TRUE_OR_FALSE = ('true', 'false', '1', '0')
 HELP = {'-h', '--help'}
+# arguments that are paths, and what else they may be
+PATHS = {'camera': 'auto|synthetic|robot|none|.*://.*', 'colors': '', 'record': 'none',
+         'robots': r'none|[+-]?\d+', 'urdf': ''}
 
 
 class ArgumentError(Exception):
@@ -40,8 +43,6 @@ class Arguments:
         self._arguments = launch_files.taken(roots)
         self._switches = {name for name in self._arguments
                           if any(_is_switch(root, name) for root in roots.values())}
-        self._checks = {'camera': _camera, 'camera_info_url': _calibration, 'colors': _file,
-                        'record': _record, 'robots': _robots, 'urdf': _urdf, 'world': _world}
 
     def help(self):
         """Return all arguments in their groups, with their defaults and meanings."""
@@ -59,30 +60,27 @@ class Arguments:
 
     def checked(self, words):
         """Return the words with absolute paths, for roslaunch; raise ArgumentError."""
-        result, position = [], 0
-        while position < len(words):
-            word = words[position]
+        result, following = [], [*words[1:], '']
+        is_value = False            # of the option before
+        for word, after in zip(words, following):
             name, assigned, value = word.partition(':=')
-            following = words[position + 1] if position + 1 < len(words) else ''
-            if word.startswith('-'):
-                if word in OPTIONS_WITH_VALUE:
-                    if not following:
-                        raise ArgumentError('{} needs a value', word)
-                    result.append(word)
-                    position += 1
-                    word = following
-            elif assigned and not value and _is_value(following):
-                raise ArgumentError('got a space after {}; write {}{}', word, word, following)
-            elif following.startswith(':=') or not name:
+            if is_value:
+                is_value = False
+            elif word.startswith('-'):
+                is_value = word in OPTIONS_WITH_VALUE
+                if is_value and not after:
+                    raise ArgumentError('{} needs a value', word)
+            elif assigned and not value and after and ':=' not in after and after[:2] != '--':
+                raise ArgumentError('got a space after {}; write {}{}', word, word, after)
+            elif after.startswith(':=') or not name:
                 raise ArgumentError(
                     'got a space before :=; write {}', 'ARGUMENT:=VALUE' if not name else
-                    name + (following if following != ':=' else ':=VALUE'))
+                    name + (after if after != ':=' else ':=VALUE'))
             elif not assigned:
                 self._refuse(word)
             elif not name.startswith('__'):     # which is of roslaunch
                 word = '{}:={}'.format(name, self._value(name, value))
             result.append(word)
-            position += 1
         return result
 
     def _refuse(self, word):
@@ -100,13 +98,26 @@ class Arguments:
                                     name, similar)
             raise ArgumentError('demo.launch has no argument {}; ./run demo --help lists them',
                                 name)
-        if name in self._checks:
-            return self._checks[name](name, value)
-        if name in self._switches:
-            if value.lower() not in TRUE_OR_FALSE:
-                raise ArgumentError('{}: got {}, allowed is true or false; write {}:=true',
-                                    name, _shown(value), name)
-        return value        # demo_values.py checks numbers
+        if value == '':
+            raise ArgumentError('{} has no value: roslaunch ignores it; write {}:=VALUE, or leave it '
+                                'out', name, name)
+        if name in self._switches and value.lower() not in TRUE_OR_FALSE:
+            raise ArgumentError('{}: got {}, allowed is true or false; write {}:=true',
+                                name, value, name)
+        # PWD keeps symlinks, unlike os.getcwd(): the path is the one that the user sees
+        path = os.path.join(os.environ.get('PWD') or os.getcwd(), os.path.expanduser(value))
+        if name in PATHS and not re.fullmatch(PATHS[name], value.lower()):
+            value = path
+        elif name == 'world' and os.path.isfile(path):
+            value = path            # else it may be a name, or in a folder of Gazebo
+        if name == 'record' and value != 'none':
+            _check_record(value)
+        if name == 'record_size' and not value.isdigit():
+            raise ArgumentError('{}: got {}, allowed is a whole number, 0 or more', name, value)
+        if name == 'urdf' and '.xacro' in value and "'" in value:
+            raise ArgumentError('{}: roslaunch cannot pass on the apostrophe in {}; rename the '
+                                'file or its folder', name, value)
+        return value
 
 
 def _is_switch(root, name):
@@ -118,87 +129,23 @@ def _is_switch(root, name):
                for element in root.iter())
 
 
-def _is_value(word):
-    return word != '' and ':=' not in word and not word.startswith('--')
-
-
-def _shown(value):
-    return repr(value) if value == '' or ' ' in value else value
-
-
-def _absolute(path):
-    # PWD keeps symlinks, unlike os.getcwd(): the path is the one that the user sees
-    return os.path.join(os.environ.get('PWD') or os.getcwd(), os.path.expanduser(path))
-
-
-def _file(_, value):
-    return _absolute(value)     # which demo_values.py reads
-
-
-def _urdf(name, value):
-    path = _absolute(value)
-    if '.xacro' in path and "'" in path:
-        raise ArgumentError('{}: roslaunch cannot pass on the apostrophe in {}; rename the file '
-                            'or its folder', name, path)
-    return path
-
-
-def _record(name, value):
-    if value == 'none':
-        return value
-    path = _absolute(value)
-    if value == '' or "'" in path:
+def _check_record(path):
+    """Raise ArgumentError for the path of a bag which rosbag would not write, or replace."""
+    if "'" in path:
         raise ArgumentError('{}: got {}, allowed is a path without an apostrophe; write for '
-                            'example {}:=demo.bag', name, _shown(value), name)
+                            'example {}:=demo.bag', 'record', path, 'record')
     # rosbag adds the suffix, and replaces a file without a word
     bag = path if path.endswith('.bag') else path + '.bag'
     if os.path.exists(bag):
-        raise ArgumentError('{}: {} exists; give another name, or remove it', name, bag)
+        raise ArgumentError('{}: {} exists; give another name, or remove it', 'record', bag)
     if os.path.exists(bag + '.active'):
         raise ArgumentError('{}: {}.active exists: another demo records it, or has not '
                             'completed it; give another name, or rename it and run "rosbag '
-                            'reindex" on it', name, bag)
+                            'reindex" on it', 'record', bag)
     folder = os.path.dirname(bag)
     if not (os.path.isdir(folder) and os.access(folder, os.W_OK)):
         raise ArgumentError('{}: {} is no folder where files can be written; make it, or give '
-                            'another path', name, folder)
-    return path
-
-
-def _robots(_, value):
-    return value if re.match(r'none$|[+-]?\d+$', value) else _absolute(value)
-
-
-def _world(_, value):
-    # else it may be a name, or in a folder of Gazebo
-    return _absolute(value) if os.path.isfile(_absolute(value)) else value
-
-
-def _camera(name, value):
-    if value in ('auto', 'synthetic', 'robot', 'none') or value.lower().startswith(URLS):
-        return value
-    if '://' in value:
-        raise ArgumentError('{}: got a URL of {}://; allowed are {}',
-                            name, value.partition('://')[0], ', '.join(URLS))
-    if value == '' or not os.path.exists(_absolute(value)):
-        devices = sorted(word for word in os.listdir('/dev') if re.match(r'video\d+$', word))
-        raise ArgumentError(
-            '{}: got {}, which does not exist; allowed are auto, synthetic, robot, none, a URL, '
-            'and the path of a video, image, folder or device (found: {})',
-            name, _shown(value),
-            ', '.join('/dev/' + word for word in devices) or message('no camera'))
-    return _absolute(value)
-
-
-def _calibration(name, value):
-    scheme, separator, path = value.partition('://')
-    if value == '' or (separator and scheme == 'package'):
-        return value
-    if scheme != 'file' or not path:
-        raise ArgumentError('{}: got {}, allowed are file:///PATH and package://PACKAGE/PATH; '
-                            'write for example {}:=file://{}',
-                            name, _shown(value), name, _absolute('camera.yaml'))
-    return value if path[0] in '/$' else 'file://' + _absolute(path)
+                            'another path', 'record', folder)
 
 
 def main(launch_file, *words):

@@ -1,29 +1,10 @@
-"""The arguments of the demo that it takes; relative paths work."""
+"""Relative paths in the arguments of the demo work."""
 import os
 import shutil
-import subprocess
 
 import pytest
 
-from img_recog_helpers.pages import ROOT, launch_arguments
-from img_recog_helpers.waiting import DEADLINE_S, stretch
-
-DEFAULTS = [(each.name, each.default) for each in launch_arguments().values()]
-
-
-@pytest.mark.parametrize('words', [
-    [name + ':=False' for name in ('gui', 'image_view', 'paused', 'recognition', 'simulator',
-                                   'teleop', 'use_sim_time', 'allow_partial_world', 'vision')],
-    ('camera:=none', 'world:=empty', 'x_pos:=-1e-3', 'framerate:=29.97', '--screen'),
-    ('camera:=rtsp://user:word@host/stream', '-p', '11399', 'gui:=1'),
-    ('camera:=urdf', 'real_time_factor:=0'),
-    ['{}:={}'.format(name, value) for name, value in DEFAULTS if '$(' not in value]])
-def test_accepted(words):
-    # with --ros-args, roslaunch lists the arguments and exits
-    done = subprocess.run(['./run', 'demo', '--ros-args', *words], cwd=ROOT,
-                          stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
-                          timeout=DEADLINE_S * stretch(), check=False)
-    assert done.returncode == 0, done.stdout.decode()
+from img_recog_helpers.pages import ROOT
 
 
 @pytest.fixture

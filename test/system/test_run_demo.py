@@ -181,16 +181,19 @@ def last_line(demo):
 
 
 @pytest.mark.parametrize('argument, content, node, part, reason', [
+    ('framerate', 0, 'usb_cam', 'the camera', '/usb_cam/framerate: got 0.0, allowed is '),
+    ('camera', '/no/such.mp4', 'usb_cam', 'the camera', 'cannot open /no/such.mp4: no such file'),
     ('urdf', '<sdf/>', 'gazebo', 'the simulator', 'root element <sdf>'),
     # the node itself has this topic
     ('colors', 'red_image_topic: cmd_vel\n', 'color_extract', 'the recognition',
      'red_image_topic')])
-def test_a_part_that_cannot_start_and_is_needed_ends_the_demo(
+def test_a_part_that_is_needed_or_refuses_its_parameters_ends_the_demo(
         run_demo, tmp_path, argument, content, node, part, reason):
     path = tmp_path / 'file'
-    path.write_text(content)
-    demo = run_demo('camera:=none', 'teleop:=false', 'world:=empty',
-                    '{}:={}'.format(argument, path))
+    if node != 'usb_cam':
+        path.write_text(content)
+    demo = run_demo('camera:=none' if node != 'usb_cam' else 'recognition:=false', 'teleop:=false',
+                    'world:=empty', '{}:={}'.format(argument, path if path.exists() else content))
     assert demo.wait() == 1
     assert re.match(r'\[run\] {} \({}\) has ended: .*{}'.format(part, node, reason),
                     last_line(demo)), demo.output
@@ -203,12 +206,10 @@ def test_a_part_that_cannot_start_and_is_needed_ends_the_demo(
      'xacro cannot expand FILE: '),
     ('colors', 'colors: [blue\n',
      'cannot read the parameters in FILE: no YAML, line 2, column 1: '),
-    ('framerate:=0', '', 'framerate: got 0.0, allowed is a finite number from 0.1 to 1000'),
-    ('camera:=robot simulator:=false', '', 'camera: got robot, which is simulated, and simulator '
-                                           'is false; set simulator to true, '),
-    ('lockstep:=cmd_vel simulator:=false', '', 'lockstep: it is the simulator that waits, and '
-                                               'simulator is false; set simulator to true')])
-def test_what_a_node_would_refuse_is_refused_before_anything_starts(
+    *(('{} simulator:=false'.format(word), '', 'roslaunch has ended: RLException: arg \'{}_needs_'
+       'simulator_true\' is not defined.'.format(name)) for word, name in (
+           ('camera:=robot', 'camera_robot'), ('lockstep:=cmd_vel', 'lockstep')))])
+def test_what_roslaunch_cannot_load_is_refused_before_anything_starts(
         run_demo, tmp_path, word, content, words):
     path = tmp_path / 'robot.xacro'
     path.write_text(content)

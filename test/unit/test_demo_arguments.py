@@ -15,14 +15,12 @@ REFUSED = {
     ('camra:=synthetic',): 'demo.launch has no argument camra; did you mean camera?\n',
     ('xyz:=1',): 'demo.launch has no argument xyz; ./run demo --help lists them\n',
     ('_video_device:=0',): 'demo.launch has no argument _video_device; ./run demo --help lists ',
-    ('camera:=/no/such.mp4',): 'camera: got /no/such.mp4, which does not exist; allowed are auto, '
-                               'synthetic, robot, none, a URL, and the path of ',
-    ('camera:=',): "camera: got '', which does not exist",
-    ('camera:=ftp://host/video.mp4',): 'camera: got a URL of ftp://; allowed are http://, ',
-    ('camera_info_url:=my.yaml',): 'camera_info_url: got my.yaml, allowed are file:///PATH ',
+    ('camera:=',): 'camera has no value: roslaunch ignores it; write camera:=VALUE, or leave it out',
+    ('record_size:=-1',): 'record_size: got -1, allowed is a whole number, 0 or more',
+    ('record_size:=1.5',): 'record_size: got 1.5, allowed is a whole number, 0 or more',
+    ("urdf:=it's.xacro",): 'urdf: roslaunch cannot pass on the apostrophe in ',
     ('record:=/no/such/x.bag',): 'record: /no/such is no folder where files can be written; ',
-    ("record:=it's.bag",): "record: got it's.bag, allowed is a path without an apostrophe; ",
-    ('record:=',): "record: got '', allowed is a path",
+    ("record:=it's.bag",): "record: got /here/it's.bag, allowed is a path without an apostrophe; ",
     ('-p',): '-p needs a value',
     ('--screen', 'gui:=yes'): 'gui: got yes, allowed is true or false; write gui:=true',
     **{(name + ':=auto',): '{0}: got auto, allowed is true or false; write {0}:=true\n'.format(
@@ -31,8 +29,10 @@ REFUSED = {
 
 
 @pytest.fixture
-def checked(capsys):
+def checked(capsys, monkeypatch):
     """A function that checks the arguments of the demo; it returns exit code and output."""
+    monkeypatch.setenv('PWD', '/here')
+
     def run(*words):
         code = tool('demo_arguments').main(os.path.join(LAUNCH_FOLDER, 'demo.launch'), *words)
         return code, ''.join(capsys.readouterr())
@@ -69,3 +69,23 @@ def test_a_recording_replaces_no_file(checked, tmp_path, name):
     code, output = checked('record:={}/new'.format(tmp_path))
     assert code == 1
     assert output.startswith('[run] record: {}/new.bag.active exists: '.format(tmp_path))
+
+
+@pytest.mark.parametrize('word, path', [
+    ('camera:=a.mp4', '/here/a.mp4'), ('camera:=robot', 'robot'), ('colors:=/c', '/c'),
+    ('camera:=RTSP://host/stream', 'RTSP://host/stream'), ('robots:=2', '2'),
+    ('robots:=r.yaml', '/here/r.yaml'), ('urdf:=r.xacro a:=1', '/here/r.xacro a:=1'),
+    ('world:=empty', 'empty'), ('world:=' + __file__, __file__), ('record:=none', 'none')])
+def test_a_relative_path_starts_at_the_working_directory(monkeypatch, word, path):
+    monkeypatch.setenv('PWD', '/here')
+    arguments = tool('demo_arguments').Arguments(os.path.join(LAUNCH_FOLDER, 'demo.launch'))
+    assert arguments.checked(['-p', '11399', word])[2].split(':=', 1)[1] == path
+
+
+@pytest.mark.parametrize('words', [
+    [name + ':=False' for name in SWITCHES],
+    ('world:=empty', 'x_pos:=-1e-3', '--screen', 'gui:=1', 'record_size:=0', '__name:=x'),
+    ['{}:={}'.format(each.name, each.default) for each in launch_arguments().values()
+     if '$(' not in each.default]])
+def test_accepted(checked, words):
+    assert checked(*words) == (0, '')

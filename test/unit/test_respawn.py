@@ -125,10 +125,12 @@ def test_the_reason_is_the_last_error_in_the_log_file(run, tmp_path):
     process.wait_errors('not started again: there is no file x\n')
 
 
-def test_a_required_node_interrupts_roslaunch(run):
-    process = run('sys.exit(1)', '--required')
+@pytest.mark.parametrize('code, options', [(1, ['--required']), (78, [])])
+def test_a_required_node_or_a_refused_parameter_interrupts_roslaunch(run, code, options):
+    process = run('sys.exit({})'.format(code), *options)
     assert process.process.stdout.readline() == 'interrupted\n'
-    assert process.errors == '[respawn] node: ended, and the demo with it: exit code 1\n'
+    assert process.errors == '[respawn] node: ended, and the demo with it: exit code {}\n'.format(
+        code)
 
 
 def test_a_node_that_dies_at_once_again_is_started_later_and_later(run):

@@ -7,7 +7,8 @@ from typing import Callable, Sequence
 from img_recog.camera.device_source import DeviceSource, list_devices
 from img_recog.camera.image_source import (UNREADABLE, FolderSource, ImageSource, has_reader,
                                            is_jpeg_video, is_truncated, read_image)
-from img_recog.camera.source import FrameSource, SourceError, check_size, convert
+from img_recog.camera.source import (FrameSource, NoSuchSource, SourceError, check_size,
+                                      convert)
 from img_recog.camera.synthetic import SyntheticSource
 from img_recog.camera.usb_cam_settings import UsbCamSettings
 from img_recog.formats import still_images
@@ -90,7 +91,7 @@ def _find(name: str, folders: Sequence[str]) -> str:
     for path in candidates:
         if os.path.exists(path):
             return os.path.abspath(path)
-    raise SourceError(
+    raise NoSuchSource(
         'cannot open {}: no such file or device (have {})'.format(candidates[0], list_devices()),
         'set video_device to a device, a video, an image, synthetic or auto')
 

@@ -8,6 +8,7 @@ import numpy as np
 
 from img_recog.errors import UserError
 from img_recog.formats import still_images
+from img_recog.settings import ParameterError
 
 # In a URL. As in ffmpeg, the authority ends at the first of /?#, and the user at the last @ in it.
 # If a password contains one of these, no port follows the colon: then the last @ of all counts.
@@ -17,6 +18,10 @@ _QUERY = re.compile(r'(?<=[?#]).*')
 
 class SourceError(UserError):
     """A frame source cannot be opened or gives no more frames."""
+
+
+class NoSuchSource(SourceError, ParameterError):
+    """The name of a source is not one of anything that exists."""
 
 
 class SourceTooLarge(SourceError):

@@ -41,19 +41,23 @@ class Death(NamedTuple):
 
 
 class LaunchOutput:
-    """Reads the output line by line and finds the nodes that have ended with an error."""
+    """Reads the output line by line and finds the nodes that have ended with an error.
+
+    launching: whether roslaunch has started a process. exception: the last one that was printed
+    and is not the reason of a node.
+    """
 
     def __init__(self) -> None:
-        self.launching = False      # whether roslaunch has started a process
+        self.launching = False
         self._required: Optional[str] = None
-        self._exception = ''
+        self.exception = ''
 
     def read(self, line: str) -> Optional[Death]:
         """Return the Death that a line reports, or None."""
         line = plain(line)
         self.launching = self.launching or line.startswith('process[')
         if _EXCEPTION.match(line):
-            self._exception = line
+            self.exception = line
         respawn = self._read_respawn(line)
         if respawn:
             return respawn
@@ -82,12 +86,12 @@ class LaunchOutput:
             if reason in _NO_ERROR and not is_required:
                 return None
             if reason.startswith('exit code'):
-                reason = self._exception or reason
-            self._exception = ''
+                reason = self.exception or reason
+            self.exception = ''
             return Death(node, is_required, reason)
         again = _STARTED_AGAIN.match(line)
         if again:
-            self._exception = ''
+            self.exception = ''
             return Death(again.group(1), False, again.group(2), False)
         restarting = _RESTARTING.match(line)
         if restarting:
@@ -98,8 +102,8 @@ class LaunchOutput:
         log = re.search(r'__log:=(\S+)', command)
         reason = described(code)
         if code >= 0:       # else its own messages are not the reason
-            reason = (last_error(log.group(1)) if log else '') or self._exception or reason
-        self._required, self._exception = None, ''
+            reason = (last_error(log.group(1)) if log else '') or self.exception or reason
+        self._required, self.exception = None, ''
         return Death(node, required, reason)
 
 

@@ -17,11 +17,12 @@ from img_recog.ros import node_help
 from img_recog.ros.log import log_handlers, log_records
 from img_recog.ros.master import master_watch
 from img_recog.ros.transport import own_time, rosout
+from img_recog.settings import ParameterError, SettingError
 
 EXIT_UNEXPECTED = 70        # EX_SOFTWARE of sysexits.h
 # Only under scripts/respawn.py, which decides by them whether to start the node again
 _SUPERVISED = 'IMG_RECOG_RESPAWN'
-EXIT_NO_MASTER, EXIT_REPLACED, EXIT_SHUT_DOWN = 75, 76, 77
+EXIT_NO_MASTER, EXIT_REPLACED, EXIT_SHUT_DOWN, EXIT_REFUSED = 75, 76, 77, 78
 
 END_LIMIT_S = 4.0           # of a node: rospy waits for the master without limit, then too
 _JOIN_TIMEOUT_S = 0.5
@@ -87,7 +88,8 @@ def _run(serve: Callable[[], None]) -> int:
         return EXIT_NO_MASTER if _SUPERVISED in os.environ else 1
     except UserError as error:
         rospy.logfatal('%s', one_line(error))
-        return 1
+        is_refused = isinstance(error, (ParameterError, SettingError))
+        return EXIT_REFUSED if is_refused and _SUPERVISED in os.environ else 1
     except Exception as error:
         if is_of_shutdown(error):
             return 0

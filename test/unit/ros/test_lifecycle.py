@@ -10,6 +10,7 @@ from std_msgs.msg import String
 
 from img_recog.errors import UserError
 from img_recog.ros import lifecycle
+from img_recog.settings import ParameterError
 from img_recog_helpers.waiting import DEADLINE_S
 
 
@@ -95,6 +96,7 @@ def _raise(error):
 @pytest.mark.parametrize('serve, alone, supervised', [
     (lambda: None, 0, 0),
     (lambda: _raise(UserError('no file')), 1, 1),
+    (lambda: _raise(ParameterError('not allowed')), 1, 78),
     (lambda: _raise(KeyError('a mistake')), 70, 70),
     (lambda: _raise(rospy.ROSException('a mistake')), 70, 70),
     (lambda: _raise(ConnectionRefusedError()), 1, 75),

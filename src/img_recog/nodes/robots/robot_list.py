@@ -5,11 +5,13 @@ from typing import Any, Callable, Dict, List, Mapping, NamedTuple, Optional
 
 import rosgraph
 
+from img_recog.camera.usb_cam_settings import FOURCC
 from img_recog.errors import UserError, one_line, shortened
 from img_recog.formats.markup import MarkupError, read_bytes
 from img_recog.formats.yaml_text import load_yaml
 from img_recog.settings import (SettingError, Settings, any_value, at_least, between,
-                                from_mapping, not_empty, setting, setting_fields, unknown)
+                                from_mapping, not_empty, one_of, setting, setting_fields,
+                                unknown)
 
 MAX_ROBOTS = 100
 _NAME = 'tb3_{}'            # of turtlebot3_gazebo's multi_turtlebot3.launch
@@ -44,7 +46,7 @@ class NodeSettings(Settings):
     image_width: int = setting(640, between(1, 4096))
     image_height: int = setting(480, between(1, 4096))
     framerate: float = setting(30.0, at_least(0.01))
-    pixel_format: str = setting('mjpeg', not_empty())
+    pixel_format: str = setting('mjpeg', one_of(*sorted(FOURCC)))
     camera_info_url: str = setting('', any_value())
     recognition: bool = setting(True)
     teleop: bool = setting(True)
@@ -177,7 +179,7 @@ def _robot(name: str, entry: Dict[Any, Any], defaults: Mapping[str, Any], folder
             if key in entry:
                 values[key] = _path(key, entry[key], folder, find)
         if 'camera' in entry:
-            values['camera'] = _camera(entry['camera'], folder)
+            values['camera'] = camera(entry['camera'], folder)
         if 'camera_info_url' in entry:
             values['camera_info_url'] = _beside(entry['camera_info_url'], folder)
         nodes = from_mapping(NodeSettings, values)
@@ -196,8 +198,11 @@ def _is_parameter(key: Any, value: Any) -> bool:
         isinstance(value, int) and abs(value) <= _MAX_INT)
 
 
-def _camera(value: Any, folder: str) -> str:
-    """Return the camera: a file beside the list by its path, everything else as it is."""
+def camera(value: Any, folder: str) -> str:
+    """Return the camera: a file in the folder by its path, everything else as it is.
+
+    Raises SettingError.
+    """
     if not isinstance(value, str) or not value.isprintable() or not value:
         raise SettingError('camera', value, 'auto, synthetic, robot, none, the path of a device, '
                            'video, image or folder of images, or a URL')

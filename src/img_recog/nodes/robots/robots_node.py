@@ -35,7 +35,7 @@ _PATIENCE_S = 10.0          # with a simulator that starts
 _RELOAD_TIMEOUT_S = 600.0
 _SIMULATED = 'gazebo/robots'
 _UPDATE = 'gazebo/update_robots'
-_AUTO, _ROBOT = 'auto', 'robot'
+_ROBOT = 'robot'
 
 
 @dataclass(frozen=True)
@@ -66,8 +66,8 @@ class RobotsNode:
     def __init__(self) -> None:
         self._settings = parameters.read(ManagerSettings)
         self._defaults = dataclasses.asdict(parameters.read(NodeSettings))
-        if self._defaults['camera'] == _AUTO:       # robots cannot share a device
-            self._defaults['camera'] = 'synthetic'
+        self._defaults['camera'] = robot_list.camera(self._defaults['camera'],
+                                                     files.user_folders()[0])
         self._defaults['urdf'] = self._defaults['urdf'] or resources.burger()
         self._defaults['colors'] = self._defaults['colors'] or resources.colors()
         parameters.warn_of_unknown(ManagerSettings, NodeSettings)
