@@ -17,7 +17,6 @@ from img_recog.ros.timed_xmlrpc import Master
 
 _NAME = '/img_recog_doctor'
 _TIMEOUT_S = 2.0
-_THREADS = 8
 # of sensors: a node that subscribes to them waits for them
 _SENSOR_PACKAGES = ('nav_msgs/', 'sensor_msgs/')
 _TIME = struct.Struct('<II')
@@ -66,36 +65,22 @@ def check_running() -> Iterator[Fault]:
 def _read(uri: str) -> RunningSystem:
     with Master(uri, _NAME, _TIMEOUT_S) as master:
         state = master.state()
-        nodes = sorted(state.nodes)
-        uris = {node: str(master.ask('lookupNode', node) or '') for node in nodes}
+        answers = master.ask_nodes(state.nodes, _topics_of)
         is_sim_time = bool(master.ask('getParam', '/use_sim_time'))
     types: Dict[str, Dict[str, str]] = {}
-    dead = {}
-    with ThreadPoolExecutor(_THREADS) as pool:
-        answers = pool.map(_topics_of, [uris[node] for node in nodes])
-        for node, answer in zip(nodes, answers):
-            if isinstance(answer, Exception):
-                dead[node] = uris.pop(node), answer
-                continue
-            for topic, kind in answer:
-                if kind != '*':
-                    types.setdefault(topic, {})[node] = kind
+    dead = {node: each for node, each in answers.items() if isinstance(each[1], Exception)}
+    uris = {node: uri for node, (uri, _) in answers.items() if node not in dead}
+    for node in uris:
+        for topic, kind in answers[node][1]:
+            if kind != '*':
+                types.setdefault(topic, {})[node] = kind
     return RunningSystem(state.published, state.subscribed, types, dead, uris, is_sim_time)
 
 
-def _topics_of(uri: Any) -> Any:
-    """Return the topics of a node with their types, or why it does not answer."""
-    try:
-        return [(str(topic), str(kind)) for method in ('getPublications', 'getSubscriptions')
-                for topic, kind in _ask(uri, method)]
-    except _ERRORS as error:
-        return error
-
-
-def _ask(uri: str, method: str, *arguments: Any) -> Any:
-    with timed_xmlrpc.server(uri, _TIMEOUT_S) as node:
-        answer: Any = getattr(node, method)(_NAME, *arguments)
-        return answer[2]
+def _topics_of(_: str, node: Any) -> List[Tuple[str, str]]:
+    """Return the topics of a node with their types."""
+    return [(str(topic), str(kind)) for answer in (
+        node.getPublications(_NAME), node.getSubscriptions(_NAME)) for topic, kind in answer[2]]
 
 
 def _dead_nodes(system: RunningSystem) -> Iterator[Fault]:
@@ -154,7 +139,7 @@ def _messages(system: RunningSystem) -> Iterator[Fault]:
     published = [(node, topic, by_node[node]) for topic, by_node in sorted(system.types.items())
                  if system.subscribed.get(topic) and len(set(by_node.values())) == 1
                  for node in system.publishers(topic) if node in by_node]
-    with ThreadPoolExecutor(_THREADS) as pool:
+    with ThreadPoolExecutor(timed_xmlrpc.THREADS) as pool:
         heard = list(pool.map(lambda each: _hear(
             system.uris[each[0]], each[1],
             each[2] if system.is_sim_time and each[1] != '/rosout' else ''), published))
@@ -191,7 +176,9 @@ def _hear(uri: str, topic: str, kind: str) -> Tuple[str, float]:
     md5sum, slots = '', getattr(_class_here(kind), '_slot_types', [])
     with contextlib.suppress(Exception):        # what does not answer is reported elsewhere
         from rosgraph import network
-        _, host, port = _ask(uri, 'requestTopic', topic, [['TCPROS']])
+        with timed_xmlrpc.server(uri, _TIMEOUT_S) as node:
+            answer: Any = node.requestTopic(_NAME, topic, [['TCPROS']])
+        _, host, port = answer[2]
         with socket.create_connection((host, port), _TIMEOUT_S) as sock:
             network.write_ros_handshake_header(sock, {
                 'callerid': _NAME, 'topic': topic, 'type': '*', 'md5sum': '*'})

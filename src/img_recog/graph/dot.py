@@ -10,7 +10,6 @@ FORMATS = ('dot', 'png', 'svg')
 _TIMEOUT_S = 30.0
 _FONT = 'DejaVu Sans, Helvetica, sans-serif'
 _TF = '/tf'             # the name of the box for both topics of tf
-_INDENT = '  '
 
 
 class Colors(NamedTuple):
@@ -33,21 +32,20 @@ def to_dot(system: System, colors: Colors = Colors()) -> str:
     True
     """
     members: Dict[tuple, List[str]] = {}
+
+    def add(kind: str, name: str, shape: str, fill: str, is_dead: bool = False) -> None:
+        members.setdefault(clusters_of(name), []).append(_line(
+            _quoted(kind + ' ' + name), label=name + ' (does not answer)' * is_dead, shape=shape,
+            style='filled', fillcolor=fill, color=colors.dead if is_dead else colors.line))
     for node in sorted(system.nodes):
-        members.setdefault(clusters_of(node), []).append(_node_line(node, system, colors))
-    for topic in sorted(system.topics - set(TF_TOPICS)):
-        members.setdefault(clusters_of(topic), []).append('{} [label={}, shape=box, {}];'.format(
-            _id('topic', topic), _quoted(topic), _fill(colors.topic)))
-    if system.topics & set(TF_TOPICS):
-        members.setdefault((), []).append('{} [label={}, shape=box3d, {}];'.format(
-            _id('topic', _TF), _quoted(_TF), _fill(colors.topic)))
-    lines = ['graph [rankdir=LR, bgcolor={}, color={}, fontcolor={}, fontname={}, ranksep=0.3];'
-             .format(*map(_quoted, (colors.background, colors.line, colors.line, _FONT)))]
-    lines += ['{} [color={}, fontcolor={}, fontname={}];'.format(
-        kind, *map(_quoted, (colors.line, colors.line, _FONT))) for kind in ('node', 'edge')]
-    lines += _cluster_lines((), members)
-    lines += _edge_lines(system)
-    return '\n'.join(['digraph system {'] + [_INDENT + line for line in lines] + ['}', ''])
+        add('node', node, 'ellipse', colors.node, node in system.dead)
+    for topic in sorted({_drawn(topic) for topic in system.topics}):
+        add('topic', topic, 'box3d' if topic == _TF else 'box', colors.topic)
+    text = {'color': colors.line, 'fontcolor': colors.line, 'fontname': _FONT}
+    return '\n'.join([
+        'digraph system {', _line('graph', rankdir='LR', bgcolor=colors.background, ranksep='0.3',
+                                  **text), _line('node', **text), _line('edge', **text),
+        *_cluster_lines((), members), *_edge_lines(system), '}', ''])
 
 
 def draw(text: str, kind: str) -> bytes:
@@ -85,23 +83,13 @@ def rate_text(rate_hz: Optional[float]) -> str:
     return '{:.0f} Hz'.format(rate_hz) if rate_hz >= 9.95 else '{:.1f} Hz'.format(rate_hz)
 
 
-def _node_line(node: str, system: System, colors: Colors) -> str:
-    is_dead = node in system.dead
-    return '{} [label={}, shape=ellipse, {}{}];'.format(
-        _id('node', node), _quoted(node + (' (does not answer)' if is_dead else '')),
-        _fill(colors.node), ', color=' + _quoted(colors.dead) if is_dead else '')
-
-
 def _cluster_lines(path: tuple, members: Dict[tuple, List[str]]) -> List[str]:
     """Return the lines of a namespace and of those in it."""
     lines = list(members.get(path, ()))
-    inner = sorted({each[:len(path) + 1] for each in members
-                    if len(each) > len(path) and each[:len(path)] == path})
-    for each in inner:
-        lines.append('subgraph {} {{'.format(_quoted('cluster_' + each[-1])))
-        lines += [_INDENT + line for line in
-                  ['label={};'.format(_quoted(each[-1]))] + _cluster_lines(each, members)]
-        lines.append('}')
+    for each in sorted({each[:len(path) + 1] for each in members
+                        if len(each) > len(path) and each[:len(path)] == path}):
+        lines += ['subgraph {} {{'.format(_quoted('cluster_' + each[-1])),
+                  'label={};'.format(_quoted(each[-1])), *_cluster_lines(each, members), '}']
     return lines
 
 
@@ -109,21 +97,21 @@ def _edge_lines(system: System) -> List[str]:
     """Return the lines of the edges; those of both topics of tf are one."""
     rates_hz: Dict[tuple, List[float]] = {}
     for edge in sorted(system.edges):
-        ends = (_id('node', edge.node),
-                _id('topic', _TF if edge.topic in TF_TOPICS else edge.topic))
-        rate_hz = system.rates_hz.get(edge)
-        rates_hz.setdefault(ends if edge.is_published else ends[::-1], []).extend(
-            [] if rate_hz is None else [rate_hz])
-    return ['{} -> {}{};'.format(*ends, ' [label={}]'.format(_quoted(rate_text(max(known))))
-                                 if known else '') for ends, known in rates_hz.items()]
+        ends = _quoted('node ' + edge.node), _quoted('topic ' + _drawn(edge.topic))
+        known = rates_hz.setdefault(ends if edge.is_published else ends[::-1], [])
+        known += [system.rates_hz[edge]] if edge in system.rates_hz else []
+    return [_line('{} -> {}'.format(*ends), label=rate_text(max(known, default=None)))
+            for ends, known in rates_hz.items()]
 
 
-def _id(kind: str, name: str) -> str:
-    return _quoted(kind + ' ' + name)
+def _drawn(topic: str) -> str:
+    """Return the name under which a topic is drawn."""
+    return _TF if topic in TF_TOPICS else topic
 
 
-def _fill(color: str) -> str:
-    return 'style=filled, fillcolor=' + _quoted(color)
+def _line(what: str, **attributes: str) -> str:
+    return '{} [{}];'.format(what, ', '.join(
+        '{}={}'.format(name, _quoted(value)) for name, value in attributes.items()))
 
 
 def _quoted(text: str) -> str:

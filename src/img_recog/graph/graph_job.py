@@ -1,5 +1,4 @@
 """The command line of graph.py: a picture of the running system."""
-import argparse
 import os
 import time
 from typing import List, Optional, Sequence
@@ -11,7 +10,7 @@ from img_recog.graph import dot
 from img_recog.graph.reader import SystemReader
 from img_recog.graph.system import visible
 
-_SECONDS = 2.0          # in which rates are measured
+SECONDS = 2.0          # in which rates are measured
 
 
 def main(arguments: Optional[Sequence[str]] = None) -> int:
@@ -20,20 +19,6 @@ def main(arguments: Optional[Sequence[str]] = None) -> int:
 
 
 def _draw(words: List[str], _: object) -> str:
-    options, reader = _parser().parse_args(words), SystemReader()
-    system = reader.read()
-    if options.seconds:
-        time.sleep(options.seconds)
-        system = reader.read()
-    shown = system if options.all else visible(system, options.leaves)
-    picture = dot.draw(dot.to_dot(shown), _kind(options.output))
-    path = files.user_output_path(options.output)
-    with files.atomic_write([path], 'give a path that can be written') as (file,):
-        file.write(picture)
-    return path
-
-
-def _parser() -> argparse.ArgumentParser:
     parser = programs.parser(
         'graph.py', 'Draw the nodes and topics of the running system to a file, like rqt_graph '
         'with "Nodes/Topics (all)", with the rate of each topic.')
@@ -42,17 +27,20 @@ def _parser() -> argparse.ArgumentParser:
                             'a path that ends in .' + ', .'.join(dot.FORMATS)),
                         help='where to write the picture: FILE.svg, FILE.png, or FILE.dot for '
                         'graphviz')
-    parser.add_argument('--leaves', action='store_true',
-                        help='also show topics that only one node uses or that nobody '
-                        'subscribes to')
     parser.add_argument('--all', action='store_true',
-                        help='also show these, /rosout, /clock, the topics of dynamic_reconfigure '
-                        'and nodes that do not answer')
-    parser.add_argument('--seconds', default=_SECONDS, metavar='S', type=allowed(
-                            float, lambda seconds: 0 <= seconds < 3600,
-                            'a number of seconds, 0 or more and below an hour'),
-                        help='how long to measure rates; 0: draw none (default: %(default)g)')
-    return parser
+                        help='also show topics that only one node uses or that nobody subscribes '
+                        'to, /rosout, /clock, the topics of dynamic_reconfigure and nodes that do '
+                        'not answer')
+    options, reader = parser.parse_args(words), SystemReader()
+    reader.read()
+    time.sleep(SECONDS)
+    system = reader.read()
+    picture = dot.draw(dot.to_dot(system if options.all else visible(system)),
+                       _kind(options.output))
+    path = files.user_output_path(options.output)
+    with files.atomic_write([path], 'give a path that can be written') as (file,):
+        file.write(picture)
+    return path
 
 
 def _kind(path: str) -> str:

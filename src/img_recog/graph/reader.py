@@ -1,23 +1,18 @@
 """Reads nodes, topics and rates of the running system, without a node."""
-import contextlib
 import time
 import xmlrpc.client
 from collections import Counter
-from concurrent.futures import ThreadPoolExecutor
-from typing import Any, Callable, Dict, Iterable, List, Mapping, NamedTuple, Optional, Tuple
+from typing import Any, Callable, Dict, Iterable, List, NamedTuple, Optional, Tuple
 
 import rosgraph
 
 from img_recog.errors import UserError, one_line, shortened
 from img_recog.graph.system import Edge, System
-from img_recog.ros import timed_xmlrpc
 from img_recog.ros.timed_xmlrpc import Master
 
 _CALLER_ID = '/img_recog_graph'
-_THREADS = 8
 _URI_ADVICE = 'set it to the address of the master, like http://localhost:11311'
 _MASTER_ADVICE = 'start roscore or roslaunch first, or set ROS_MASTER_URI'
-_ERRORS = (*timed_xmlrpc.ERRORS, ValueError, TypeError, IndexError)
 
 # for an edge, the number of messages on each of its connections
 Counts = Dict[Edge, Dict[int, int]]
@@ -40,13 +35,12 @@ class SystemReader:
 
         Raises UserError if ROS_MASTER_URI is no address.
         """
-        self._now, self._timeout_s = now, timeout_s
+        self._now = now
         try:
             self._master = Master(rosgraph.Master(_CALLER_ID).master_uri, _CALLER_ID, timeout_s)
         except (ValueError, OSError):       # OSError: of another protocol than HTTP
             raise UserError('ROS_MASTER_URI is {!r}, expected http://HOST:PORT'.format(
                 shortened(rosgraph.get_master_uri())), _URI_ADVICE)
-        self._uris: Dict[str, str] = {}
         self._last: Dict[str, _Sample] = {}     # by the name of the node
 
     def read(self) -> System:
@@ -63,54 +57,34 @@ class SystemReader:
                           for topics, is_published in ((state.published, True),
                                                        (state.subscribed, False))
                           for topic, nodes in topics.items() for node in nodes)
-        nodes = frozenset(state.nodes)
-        for node in nodes.difference(self._uris):
-            with contextlib.suppress(*_ERRORS):
-                self._uris[node] = self._master.call('lookupNode', node)
-        with ThreadPoolExecutor(_THREADS) as pool:
-            samples = dict(zip(sorted(nodes), pool.map(self._sample, sorted(nodes))))
-        rates_hz = self._rates(samples)
-        for edge in uncounted(edges, samples):
-            rates_hz.pop(edge, None)
-        self._last = {node: sample for node, sample in samples.items() if sample is not None}
-        self._uris = {node: self._uris[node] for node in self._last}
-        return System(nodes, edges, frozenset(nodes - set(self._last)),
+        samples = {node: answer for node, (_, answer) in self._master.ask_nodes(
+            state.nodes, self._sample).items() if isinstance(answer, _Sample)}
+        publishers = Counter(edge.topic for edge in edges
+                             if edge.is_published and edge.node in samples)
+        rates_hz = {edge: rate_hz for node, sample in samples.items()
+                    for edge, rate_hz in _rates(self._last.get(node), sample, publishers)}
+        self._last = samples
+        return System(frozenset(state.nodes), edges, frozenset(state.nodes - set(samples)),
                       completed(edges, rates_hz))
 
-    def _sample(self, node: str) -> Optional[_Sample]:
-        """Return what a node says, None if it does not answer; runs in several threads."""
-        if node not in self._uris:
-            return None
-        proxy = timed_xmlrpc.server(self._uris[node], self._timeout_s)
+    def _sample(self, node: str, proxy: Any) -> _Sample:
+        """Return what a node says; runs in several threads."""
         try:
             return _Sample(self._now(), counts_in(node, proxy.getBusStats(_CALLER_ID)))
         except xmlrpc.client.Fault:     # rospy's, when a count does not fit in 32 bits
             return _Sample(self._now(), {})
-        except _ERRORS:
-            return None     # it is looked up again: another node of the name may have registered
-
-    def _rates(self, samples: Dict[str, Optional[_Sample]]) -> Dict[Edge, float]:
-        rates_hz: Dict[Edge, float] = {}
-        for node, sample in samples.items():
-            before = self._last.get(node)
-            if sample is not None and before is not None and sample.time_s > before.time_s:
-                for edge, counts in sample.counts.items():
-                    number = new_messages(edge, before.counts.get(edge, {}), counts)
-                    if number is not None:
-                        rates_hz[edge] = number / (sample.time_s - before.time_s)
-        return rates_hz
 
 
-def uncounted(edges: Iterable[Edge], samples: Mapping[str, Optional[_Sample]]) -> List[Edge]:
-    """Return subscribers that tell of fewer connections than there are publishers that answer.
-
-    roscpp's getBusStats has only one of several.
-    """
-    publishers = Counter(edge.topic for edge in edges
-                         if edge.is_published and samples[edge.node] is not None)
-    return [edge for sample in samples.values() if sample is not None
-            for edge, counts in sample.counts.items()
-            if not edge.is_published and len(counts) < publishers[edge.topic]]
+def _rates(before: Optional[_Sample], now: _Sample, publishers: Dict[str, int]
+           ) -> Iterable[Tuple[Edge, float]]:
+    """Yield the edges of a node and their rates; publishers: their number, by topic."""
+    if before is None or now.time_s <= before.time_s:
+        return
+    for edge, counts in now.counts.items():
+        number = new_messages(edge, before.counts.get(edge, {}), counts)
+        # of several connections of a subscriber, roscpp's getBusStats has only one
+        if number is not None and (edge.is_published or len(counts) >= publishers[edge.topic]):
+            yield edge, number / (now.time_s - before.time_s)
 
 
 def counts_in(node: str, answer: Any) -> Counts:

@@ -1,4 +1,5 @@
 """Nodes and topics of a running system, and which of them a picture shows."""
+from collections import Counter
 from typing import Dict, FrozenSet, Iterable, NamedTuple, Tuple
 
 # rqt_graph does not show the names that contain one of these unless "Debug" is chosen
@@ -65,22 +66,15 @@ def _without_debug(names: Iterable[str]) -> FrozenSet[str]:
 
 
 def _parameter_topics(topics: FrozenSet[str]) -> FrozenSet[str]:
-    ending = _PARAMETER_TOPICS[-1]
-    pairs = (tuple(topic[:-len(ending)] + each for each in _PARAMETER_TOPICS)
-             for topic in topics if topic.endswith(ending))
-    return frozenset(topic for pair in pairs if topics.issuperset(pair) for topic in pair)
+    ends = [{topic[:-len(end)] for topic in topics if topic.endswith(end)}
+            for end in _PARAMETER_TOPICS]
+    return frozenset(node + end for node in set.intersection(*ends) for end in _PARAMETER_TOPICS)
 
 
 def _leaves(edges: FrozenSet[Edge], topics: FrozenSet[str]) -> FrozenSet[str]:
-    uses = dict.fromkeys(topics, 0)
-    subscribed = set()
-    for edge in edges:
-        if edge.topic in topics:
-            uses[edge.topic] += 1
-            if not edge.is_published:
-                subscribed.add(edge.topic)
-    return frozenset(topic for topic, count in uses.items()
-                     if count < 2 or topic not in subscribed)
+    uses = Counter(edge.topic for edge in edges)
+    subscribed = {edge.topic for edge in edges if not edge.is_published}
+    return frozenset(topic for topic in topics if uses[topic] < 2 or topic not in subscribed)
 
 
 def clusters_of(name: str) -> Tuple[str, ...]:

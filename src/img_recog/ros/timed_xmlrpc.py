@@ -1,10 +1,12 @@
 """XML-RPC calls with a time limit: a node that is stopped takes connections, never answers."""
 import http.client
 import xmlrpc.client
-from typing import Any, Dict, List, Mapping, NamedTuple, Set
+from concurrent.futures import ThreadPoolExecutor
+from typing import Any, Callable, Dict, Iterable, List, Mapping, NamedTuple, Set, Tuple
 
 # everything that a call raises when there is no usable answer
 ERRORS = (OSError, http.client.HTTPException, xmlrpc.client.Error)
+THREADS = 8             # that ask nodes at the same time
 
 
 class _Transport(xmlrpc.client.Transport):
@@ -54,7 +56,7 @@ class Master:
     """
 
     def __init__(self, uri: str, node: str, timeout_s: float):
-        self.proxy, self._node = server(uri, timeout_s), node
+        self.proxy, self._node, self._timeout_s = server(uri, timeout_s), node, timeout_s
 
     def __enter__(self) -> 'Master':
         return self
@@ -89,6 +91,24 @@ class Master:
             return SystemState(*(dict(kind) for kind in self.call('getSystemState')))
         except (*ERRORS[1:], TypeError, ValueError) as error:
             raise OSError(str(error))
+
+    def ask_nodes(self, nodes: Iterable[str], question: Callable[[str, Any], Any]
+                  ) -> Dict[str, Tuple[str, Any]]:
+        """Return the address of each node, and its answer, or the exception that there is none.
+
+        question: gets a node's name and its proxy, in one of several threads. Raises OSError if
+        the master does not answer.
+        """
+        uris = {node: str(self.ask('lookupNode', node) or '') for node in sorted(nodes)}
+
+        def answer(node: str) -> Any:
+            try:
+                with server(uris[node], self._timeout_s) as proxy:
+                    return question(node, proxy)
+            except (*ERRORS, ValueError, TypeError, IndexError) as error:
+                return error
+        with ThreadPoolExecutor(THREADS) as pool:
+            return {node: (uris[node], each) for node, each in zip(uris, pool.map(answer, uris))}
 
     def shared_parameters(self) -> Dict[str, Any]:
         """Return the parameters of others that nodes read, as far as there are any."""

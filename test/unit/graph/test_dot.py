@@ -21,7 +21,7 @@ def test_the_lines_of_a_graph():
     assert lines[0] == 'digraph system {' and lines[-1] == '}'
     assert [line for line in lines if '->' in line] == [
         '"node /tb/eye" -> "topic /tf" [label="5.0 Hz"];',
-        '"topic /usb_cam/image_raw" -> "node /tb/eye";',
+        '"topic /usb_cam/image_raw" -> "node /tb/eye" [label=""];',
         '"node /usb_cam" -> "topic /usb_cam/image_raw" [label="30 Hz"];']
     start = lines.index('subgraph "cluster_/usb_cam" {')
     assert lines[start + 1] == 'label="/usb_cam";'
@@ -30,7 +30,7 @@ def test_the_lines_of_a_graph():
     # the node is beside the frame of its topics, and in that of its own namespace
     assert sum(line.startswith('"node /usb_cam" [') for line in lines[:start]) == 1
     assert lines[lines.index('subgraph "cluster_/tb" {') + 2].startswith('"node /tb/eye" [')
-    assert sum('shape=box3d' in line for line in lines) == 1
+    assert sum('shape="box3d"' in line for line in lines) == 1
 
 
 def test_a_namespace_within_a_namespace_is_a_frame_in_a_frame():
