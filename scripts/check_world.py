@@ -3,4 +3,4 @@
 from img_recog.processes.script import start
 
 if __name__ == '__main__':
-    start('img_recog.checks.check_jobs', function='world')
+    start('img_recog.checks.check_jobs', 'check_world.py')

@@ -9,8 +9,8 @@ does not take it beside required="true", by which the demo ends then.
 The node is started again after a signal (kill -9, a crash), after an unexpected exception (exit
 code 70), when no master answers (75), and after a shutdown from outside (77, as by rosnode kill).
 After any other exit code it is not: the reason is printed, and with --required, or after 78 (a
-parameter has a value that is not allowed), roslaunch is interrupted. Else this program waits for roslaunch to end it, because roslaunch would start it
-again whatever its exit code is.
+parameter has a value that is not allowed), roslaunch is interrupted. Else this program waits for
+roslaunch to end it, because roslaunch would start it again whatever its exit code is.
 """
 import argparse
 import os

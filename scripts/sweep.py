@@ -1,10 +1,6 @@
 #!/usr/bin/env python3
 """Run thousands of closed loops of a camera on the simulated robot, without a ROS master."""
-import os
-
 from img_recog.processes.script import start
 
 if __name__ == '__main__':
-    # as many processes as cores; the matrices are too small for the threads of numpy to help
-    os.environ.setdefault('OPENBLAS_NUM_THREADS', '1')
-    start('img_recog.batch.sweep_job')
+    start('img_recog.batch.sweep_job', one_thread=True)

@@ -238,7 +238,7 @@ class Supervisor:
             self._noticed = len(self._deaths)
 
     def _repeat_reasons(self):
-        """Report at the end, below the output of roslaunch, which nodes ended, or why none began."""
+        """Report below the output of roslaunch which nodes ended, or why none began."""
         for death in self._deaths:
             self._say(launch_output.describe(death))
         if self._output.exception and not (self._output.launching or self._stopped_by):

@@ -99,8 +99,8 @@ class Arguments:
             raise ArgumentError('demo.launch has no argument {}; ./run demo --help lists them',
                                 name)
         if value == '':
-            raise ArgumentError('{} has no value: roslaunch ignores it; write {}:=VALUE, or leave it '
-                                'out', name, name)
+            raise ArgumentError('{} has no value: roslaunch ignores it; write {}:=VALUE, or leave '
+                                'it out', name, name)
         if name in self._switches and value.lower() not in TRUE_OR_FALSE:
             raise ArgumentError('{}: got {}, allowed is true or false; write {}:=true',
                                 name, value, name)

@@ -147,8 +147,6 @@ def test_a_motor_drives_a_joint(run, tmp_path):
 @pytest.mark.parametrize('options, words', [
     (['--drive', 'door::hing=1:5'],
      'no movable joint door::hing (movable joints: door::hinge)'),
-    (['--drive', 'door::hinge=1'], "--drive: got 'door::hinge=1', expected "
-     'MODEL::JOINT=VELOCITY:TORQUE, two numbers'),
     (['--twist', '1,0'], '--twist: there is no robot; set --urdf, or '
      'give a model of the world the plugin of a drive'),
     (['--velocity', 'dor=1,2,3'], "no model 'dor' (models: ground_plane, door)")])

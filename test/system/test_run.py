@@ -307,7 +307,7 @@ def test_without_a_terminal_it_does_not_ask_and_the_output_is_in_the_log(checkou
     env, log = bare
     code, output = run(checkout, env, 'setup')
     assert code == 0 and '[Y/n]' not in output, output
-    assert re.search(r'\d+ system packages of packages-\w+\.txt are missing: .*cmake', output), output
+    assert re.search(r'\d+ system packages of packages-\w+\.txt are missing: .*cmake', output)
     assert len(installs(log)) == 1 and 'Setting up' not in output
     with open(os.path.join(checkout, 'build', 'apt.log')) as file:
         assert 'Setting up shellcheck' in file.read()

@@ -15,7 +15,7 @@ REFUSED = {
     ('camra:=synthetic',): 'demo.launch has no argument camra; did you mean camera?\n',
     ('xyz:=1',): 'demo.launch has no argument xyz; ./run demo --help lists them\n',
     ('_video_device:=0',): 'demo.launch has no argument _video_device; ./run demo --help lists ',
-    ('camera:=',): 'camera has no value: roslaunch ignores it; write camera:=VALUE, or leave it out',
+    ('camera:=',): 'camera has no value: roslaunch ignores it; write camera:=VALUE, or leave it ',
     ('record_size:=-1',): 'record_size: got -1, allowed is a whole number, 0 or more',
     ('record_size:=1.5',): 'record_size: got 1.5, allowed is a whole number, 0 or more',
     ("urdf:=it's.xacro",): 'urdf: roslaunch cannot pass on the apostrophe in ',

@@ -8,7 +8,7 @@ from img_recog.camera.device_source import DeviceSource, list_devices
 from img_recog.camera.image_source import (UNREADABLE, FolderSource, ImageSource, has_reader,
                                            is_jpeg_video, is_truncated, read_image)
 from img_recog.camera.source import (FrameSource, NoSuchSource, SourceError, check_size,
-                                      convert)
+                                     convert)
 from img_recog.camera.synthetic import SyntheticSource
 from img_recog.camera.usb_cam_settings import UsbCamSettings
 from img_recog.formats import still_images

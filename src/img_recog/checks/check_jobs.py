@@ -1,6 +1,8 @@
 """The command lines of check_robot.py, check_world.py, simulate.py and robot_description.py."""
+import argparse
+import math
 import sys
-from typing import Any, List
+from typing import Any, Callable, List, Sequence, Tuple
 
 from img_recog.command_line import programs
 from img_recog.command_line.option_types import allowed
@@ -15,11 +17,6 @@ class _Partial(programs.Incomplete):
     code = 2
 
 
-def robot() -> int:
-    """Check the robot that the command line names; return the exit code."""
-    return programs.run('check_robot.py', _check_robot)
-
-
 def _check_robot(words: List[str], _: object) -> str:
     parser = programs.parser('check_robot.py', 'Say what of a robot is simulated, what is not, '
                              'and what is assumed; drive it a little.' + _NO_MASTER)
@@ -30,11 +27,6 @@ def _check_robot(words: List[str], _: object) -> str:
     options = parser.parse_args(words)
     from img_recog.checks import robot_check    # it takes a second, as does PyBullet
     return _text(robot_check.check(options.file, options.controllers))
-
-
-def world() -> int:
-    """Check the world that the command line names; return the exit code."""
-    return programs.run('check_world.py', _check_world)
 
 
 def _check_world(words: List[str], _: object) -> str:
@@ -58,11 +50,6 @@ def _text(report: Any) -> str:
     return _Partial(text) if report.is_partial else text
 
 
-def robot_description() -> int:
-    """Print the URDF of the file that the command line names; return the exit code."""
-    return programs.run('robot_description.py', _describe)
-
-
 def _describe(words: List[str], _: object) -> str:
     parser = programs.parser('robot_description.py', 'Print the URDF of the file of a robot.')
     parser.add_argument('file', metavar='FILE', help='a URDF, or a xacro file, which is '
@@ -71,12 +58,8 @@ def _describe(words: List[str], _: object) -> str:
     return robot_file.read(parser.parse_args(words).file)
 
 
-def simulate() -> int:
-    """Print where everything is in the simulation that the command line names."""
-    return programs.run('simulate.py', _simulate)
-
-
-def _simulate(words: List[str], _: object) -> str:
+def simulate_parser() -> argparse.ArgumentParser:
+    """Return the parser of the command line of simulate.py."""
     parser = programs.parser(
         'simulate.py', 'Simulate a world as fast as it goes and print lines of JSON: where all '
         'links and joints are at each time, and at the end what the sensors measure, and the '
@@ -90,24 +73,52 @@ def _simulate(words: List[str], _: object) -> str:
                         help='simulated time, in s (default: %(default)s)')
     parser.add_argument('--every', metavar='S', type=_SECONDS, default=0.1,
                         help='simulated time between two lines, in s (default: %(default)s)')
-    parser.add_argument('--twist', metavar='V,W', default='',
+    parser.add_argument('--twist', metavar='V,W',
+                        type=allowed(lambda text: _numbers(text, ','), lambda found: len(
+                            found) == 2, 'V,W: two numbers, m/s and rad/s'),
                         help='the command of the robot, in m/s and rad/s')
     parser.add_argument('--drive', metavar='MODEL::JOINT=VELOCITY:TORQUE', action='append',
-                        default=[], help='a motor, in rad/s and N m or m/s and N; may be repeated')
+                        default=[], type=_named(':', (2,), 'MODEL::JOINT=VELOCITY:TORQUE'),
+                        help='a motor, in rad/s and N m or m/s and N; may be repeated')
     parser.add_argument('--velocity', metavar='MODEL=VX,VY,VZ[,WX,WY,WZ]', action='append',
-                        default=[], help='of a model at the start, in m/s and rad/s; may be '
-                        'repeated')
+                        default=[], type=_named(',', (3, 6), 'MODEL=VX,VY,VZ[,WX,WY,WZ]'),
+                        help='of a model at the start, in m/s and rad/s; may be repeated')
     parser.add_argument('--pictures', metavar='DIR', default='',
                         help='write an image of each camera at the end')
-    given = parser.parse_args(words)
+    return parser
+
+
+def _numbers(text: str, separator: str) -> List[float]:
+    numbers = [float(number) for number in text.split(separator)]
+    if not all(map(math.isfinite, numbers)):
+        raise ValueError
+    return numbers
+
+
+def _named(separator: str, counts: Sequence[int], expected: str) -> Callable[[str], Any]:
+    """Return the type of 'NAME=NUMBERS': a name and one of these counts of numbers."""
+    def read(text: str) -> Tuple[str, List[float]]:
+        name, _, numbers = text.rpartition('=')
+        return name, _numbers(numbers, separator)
+    return allowed(read, lambda found: len(found[1]) in counts, expected)
+
+
+def _simulate(words: List[str], _: object) -> str:
+    given = simulate_parser().parse_args(words)
     from img_recog.checks import simulation_run
-    run = simulation_run.SimulationRun(simulation_run.RunOptions(
-        given.world, given.urdf, given.until, given.every, given.twist, given.drive,
-        given.velocity, given.pictures))
-    told = 0
+    run, told = simulation_run.SimulationRun(given), 0
     for line in run.lines():
         for warning in run.warnings[told:]:
             sys.stderr.write('warning: {}\n'.format(warning))
         told = len(run.warnings)
         programs.write(simulation_run.text_of(line))
     return _Partial() if run.left_out else ''
+
+
+_PROGRAMS = {'check_robot.py': _check_robot, 'check_world.py': _check_world,
+             'robot_description.py': _describe, 'simulate.py': _simulate}
+
+
+def main(program: str) -> int:
+    """Run one of these programs; return its exit code."""
+    return programs.run(program, _PROGRAMS[program])

@@ -4,7 +4,7 @@ import math
 import os
 import re
 import zlib
-from typing import Any, Dict, Iterator, List, NamedTuple, Sequence, Tuple
+from typing import Any, Dict, Iterator, Tuple
 
 import cv2
 
@@ -16,77 +16,48 @@ from img_recog.simulation.figures import Figures
 from img_recog.simulation.models import Models
 from img_recog.simulation.simulation_settings import PhysicsSettings, SpawnSettings
 
-_EXPECTED = {'--twist': 'V,W: two numbers, m/s and rad/s',
-             '--drive': 'MODEL::JOINT=VELOCITY:TORQUE, two numbers',
-             '--velocity': 'MODEL=VX,VY,VZ or MODEL=VX,VY,VZ,WX,WY,WZ, in m/s and rad/s'}
 _PRINTED = ('imu', 'range', 'scan')         # kinds of sensors
-
-
-class RunOptions(NamedTuple):
-    """What is simulated, and what is done to it.
-
-    world: like the launch argument; urdf: of a robot at the origin of the world, '' for none;
-    until_s, every_s: simulated time of the end and between two lines; twist: the command of the
-    robot, 'V,W'; drive: motors, 'MODEL::JOINT=VELOCITY:TORQUE' each; velocity: of models at the
-    start, 'MODEL=VX,VY,VZ[,WX,WY,WZ]' each; pictures: a folder for an image of each camera at the
-    end, '' for none.
-    """
-
-    world: str
-    urdf: str = ''
-    until_s: float = 2.0
-    every_s: float = 0.1
-    twist: str = ''
-    drive: Sequence[str] = ()
-    velocity: Sequence[str] = ()
-    pictures: str = ''
 
 
 class SimulationRun:
     """A simulation of a world, built as in the node; warnings: a line each, of what flies away
     too, as soon as it is simulated."""
 
-    def __init__(self, options: RunOptions):
-        """Build it and start the motors; raise a UserError if it cannot be built."""
-        self._options = options
-        robots = [assemble.robot(options.urdf, '--urdf').changed(
-            spawn=SpawnSettings(x_pos=0.0, y_pos=0.0))] if options.urdf else []
+    def __init__(self, given: Any):
+        """Build it and start the motors; raise a UserError if it cannot be built.
+
+        given: what check_jobs.simulate_parser parses.
+        """
+        self._given = given
+        robots = [assemble.robot(given.urdf, '--urdf').changed(
+            spawn=SpawnSettings(x_pos=0.0, y_pos=0.0))] if given.urdf else []
         # without a command they stand as in a Gazebo without ROS: nothing holds their wheels
         self._built = assemble.simulator(
-            PhysicsSettings(world=options.world, allow_partial_world=True), robots,
-            with_sensors=True, with_bare=True,
-            with_drives=bool(options.twist and not options.urdf))
+            PhysicsSettings(world=given.world, allow_partial_world=True), robots,
+            with_sensors=True, with_bare=True, with_drives=bool(given.twist and not given.urdf))
         self.warnings = list(self._built.warnings)
         self.left_out = self._built.left_out
         self._simulator = self._built.simulator
         self._simulator.warn = self.warnings.append
         self._figures = Figures(self._simulator)
         self._readings: Dict[Tuple[str, str], Any] = {}
-        self._move_models(Models(self._simulator))
-        if options.twist:
-            self._command(options.twist)
-        for text in options.drive:
-            joint, numbers = _named('--drive', text, ':', (2,))
+        models = Models(self._simulator)
+        for name, numbers in given.velocity:
+            models.set_state(name, models.state(name)._replace(
+                linear=numbers[:3], angular=numbers[3:] or [0.0] * 3))
+        if given.twist:
+            if not self._simulator.vehicles:
+                raise UserError('--twist: there is no robot', 'set --urdf, or give a model of the '
+                                'world the plugin of a drive')
+            self._simulator.vehicles[0].command(*given.twist)
+        for joint, numbers in given.drive:
             self._figures.set_motor(joint, *numbers)
-
-    def _move_models(self, models: Models) -> None:
-        for text in self._options.velocity:
-            name, numbers = _named('--velocity', text, ',', (3, 6))
-            linear, angular = numbers[:3], numbers[3:] or [0.0] * 3
-            models.set_state(name, models.state(name)._replace(linear=linear, angular=angular))
-
-    def _command(self, text: str) -> None:
-        if not self._simulator.vehicles:
-            raise UserError('--twist: there is no robot',
-                            'set --urdf, or give a model of the world the plugin of a drive')
-        linear, angular = _numbers('--twist', text, text, ',', (2,))
-        self._simulator.vehicles[0].command(linear, angular)
 
     def lines(self) -> Iterator[Dict[str, Any]]:
         """Simulate; yield a line for each time, and at the end those of sensors and masses."""
         step_s = self._simulator.world.step_s
-        every = max(1, round(self._options.every_s / step_s))
-        end = round(self._options.until_s / step_s)
+        every = max(1, round(self._given.every / step_s))
+        end = round(self._given.until / step_s)
         yield self._line()
         while self._simulator.steps < end:
             steps = min(every, end - self._simulator.steps)
@@ -96,8 +67,8 @@ class SimulationRun:
                 yield self._line()
         for carrier in self._simulator.carriers:
             yield from self._of_sensors(carrier)
-        if self._options.pictures:
-            self._draw(self._options.pictures)
+        if self._given.pictures:
+            self._draw(self._given.pictures)
         yield {'end': True, 'mass': self._figures.masses()}
 
     def _line(self) -> Dict[str, Any]:
@@ -153,21 +124,3 @@ def _plain(value: Any) -> Any:
     if isinstance(value, float):
         return float('{:.9g}'.format(value)) if math.isfinite(value) else repr(value)
     return value
-
-
-def _named(option: str, text: str, separator: str,
-           counts: Sequence[int]) -> Tuple[str, List[float]]:
-    """Return the name and the numbers of 'NAME=NUMBERS'."""
-    name, _, numbers = text.rpartition('=')
-    return name, _numbers(option, text, numbers, separator, counts)
-
-
-def _numbers(option: str, text: str, numbers: str, separator: str,
-             counts: Sequence[int]) -> List[float]:
-    try:
-        found = [float(number) for number in numbers.split(separator)]
-    except ValueError:
-        found = []
-    if len(found) not in counts or not all(map(math.isfinite, found)):
-        raise UserError('{}: got {!r}, expected {}'.format(option, text, _EXPECTED[option]))
-    return found

@@ -4,7 +4,8 @@ The wheels turn there at the speeds of the command.
 """
 import pytest
 
-from img_recog.checks.simulation_run import RunOptions, SimulationRun
+from img_recog.checks.check_jobs import simulate_parser
+from img_recog.checks.simulation_run import SimulationRun
 from img_recog_helpers import sdf
 from img_recog_helpers.robots import burger
 
@@ -21,8 +22,9 @@ def states(tmp_path, model, seconds, twist=''):
     world, urdf = tmp_path / 'w.sdf', tmp_path / 'burger.urdf'
     world.write_text(sdf.sdf(sdf.BUILT_IN, model))
     urdf.write_text(burger())
-    lines = list(SimulationRun(RunOptions(str(world), str(urdf) if twist else '', until_s=seconds,
-                                          every_s=seconds, twist=twist)).lines())
+    lines = list(SimulationRun(simulate_parser().parse_args([
+        str(world), '--until', str(seconds), '--every', str(seconds),
+        *(['--urdf', str(urdf), '--twist', twist] if twist else [])])).lines())
     return next(line for line in lines[::-1] if 'links' in line)['links']
 
 

@@ -242,12 +242,12 @@ def test_program_prints_the_urdf_or_one_line(tmp_path, monkeypatch, capsys, capl
     path = tmp_path / 'robot.urdf'
     path.write_text(URDF)
     monkeypatch.setattr(sys, 'argv', ['robot_description.py', str(path)])
-    assert check_jobs.robot_description() == 0 and capsys.readouterr().out == URDF + '\n'
+    assert check_jobs.main('robot_description.py') == 0 and capsys.readouterr().out == URDF + '\n'
     monkeypatch.setattr(sys, 'argv', ['robot_description.py', str(tmp_path / 'no.urdf')])
-    assert check_jobs.robot_description() == 1
+    assert check_jobs.main('robot_description.py') == 1
     assert len(caplog.messages) == 1 and '\n' not in caplog.text.strip()
     for arguments in ([], [str(path), 'more']):
         monkeypatch.setattr(sys, 'argv', ['/bin/robot_description.py', *arguments])
         with pytest.raises(SystemExit, match='2'):
-            check_jobs.robot_description()
+            check_jobs.main('robot_description.py')
         assert capsys.readouterr().err.startswith('usage: robot_description.py [-h] FILE\n')
