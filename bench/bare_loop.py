@@ -1,10 +1,8 @@
-"""Measure the steps per second of PyBullet alone, with the world and the robot of the node.
-
-For each line of the input, a number of seconds, it simulates so long and prints the result.
-"""
+"""Measure the steps per second of PyBullet alone, with the world and the robot of the node."""
 import os
-import sys
 import time
+
+from ros_processes import answer
 
 from img_recog.formats import world_file
 from img_recog.loading import assemble
@@ -26,7 +24,7 @@ def steps_per_s(world: World, seconds: float) -> float:
     return steps / (time.perf_counter() - start)
 
 
-def main() -> int:
+def main() -> None:
     """Answer the lines of the input."""
     worlds = {'turtlebot3_world': os.path.join(FOLDER, 'turtlebot3_world.urdf')}
     client, physics = connect(), PhysicsSettings()
@@ -35,11 +33,8 @@ def main() -> int:
     # the speeds of drive_sample.py, without a ramp: 0.02 m/s and 0.5 rad/s
     vehicle.robot.set_wheel_velocities(((0.02 - 0.04) / 0.033, (0.02 + 0.04) / 0.033))
     world.step(BATCH)
-    for line in sys.stdin:
-        sys.stdout.write('{}\n'.format(steps_per_s(world, float(line))))
-        sys.stdout.flush()
-    return 0
+    answer(lambda seconds: steps_per_s(world, seconds))
 
 
 if __name__ == '__main__':
-    sys.exit(main())
+    main()

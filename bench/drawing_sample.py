@@ -1,18 +1,17 @@
 """Draw the burger's drive in turtlebot3_world; print CPU and wall time of an image as JSON.
 
-Arguments: METHOD WIDTH HEIGHT. When the scene is loaded, a line is printed; then one for each
-line on the standard input, which is the number of seconds to draw.
+Arguments: METHOD WIDTH HEIGHT.
 """
 import functools
 import importlib.util
 import itertools
-import json
 import sys
 import time
-from typing import Callable, NamedTuple, Sequence
+from typing import Callable, Iterator, NamedTuple, Sequence
 
 import numpy as np
 import pybullet
+from ros_processes import answer
 
 from img_recog.loading import resources
 from img_recog.model import SUN, VisualScene
@@ -101,7 +100,17 @@ METHODS = {'img_recog': ours, 'img_recog, depths': functools.partial(ours, depth
            "PyBullet's EGL plugin": egl}
 
 
-def main() -> int:
+def cost(draw: Draw, moments: Iterator[Moment], seconds: float) -> dict:
+    """Draw for so long; return CPU and wall time of an image."""
+    count, processor, begin = 0, time.process_time(), time.perf_counter()
+    while time.perf_counter() - begin < seconds or not count:
+        draw(next(moments))
+        count += 1
+    return {'cpu_ms': 1e3 * (time.process_time() - processor) / count,
+            'wall_ms': 1e3 * (time.perf_counter() - begin) / count}
+
+
+def main() -> None:
     """Draw until the standard input ends."""
     drive, (width, height) = simulate(), map(int, sys.argv[2:])
     draw = METHODS[sys.argv[1]](drive, Camera(
@@ -109,20 +118,8 @@ def main() -> int:
     moments = itertools.cycle(drive.moments)
     for _ in range(3):
         draw(next(moments))
-    sys.stdout.write('ready\n')
-    sys.stdout.flush()
-    for line in sys.stdin:
-        count, processor, begin = 0, time.process_time(), time.perf_counter()
-        while time.perf_counter() - begin < float(line) or not count:
-            draw(next(moments))
-            count += 1
-        wall = time.perf_counter() - begin
-        sys.stdout.write(json.dumps({
-            'cpu_ms': 1e3 * (time.process_time() - processor) / count,
-            'wall_ms': 1e3 * wall / count}) + '\n')
-        sys.stdout.flush()
-    return 0
+    answer(lambda seconds: cost(draw, moments, seconds))
 
 
 if __name__ == '__main__':
-    sys.exit(main())
+    main()

@@ -9,7 +9,6 @@ seconds, turns, subscribers (lists of topics), and bare: whether to measure that
 import json
 import os
 import signal
-import subprocess
 import sys
 import time
 from typing import Iterable, List
@@ -19,28 +18,19 @@ import raw_topics
 import rospy
 from geometry_msgs.msg import Twist
 from nav_msgs.msg import Odometry
-from ros_processes import HERE, cpu_s, descendants
+from ros_processes import Sampler, cpu_s, descendants
 from rosgraph_msgs.msg import Clock
 
 STEPS_A_SECOND = 1000       # of simulated time
 
 
-class BareLoop:
-    """A running bare_loop.py."""
-
-    def __init__(self):
-        self._process = subprocess.Popen(
-            [sys.executable, os.path.join(HERE, 'bare_loop.py')], stdin=subprocess.PIPE,
-            stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, universal_newlines=True, bufsize=1)
-
-    def steps_per_s(self, pid: int, seconds: float) -> float:
-        """Let it simulate for so long, while a process stands still."""
-        os.kill(pid, signal.SIGSTOP)
-        try:
-            self._process.stdin.write('{}\n'.format(seconds))
-            return float(self._process.stdout.readline())
-        finally:
-            os.kill(pid, signal.SIGCONT)
+def bare_steps_per_s(loop: Sampler, pid: int, seconds: float) -> float:
+    """Let bare_loop.py simulate for so long, while a process stands still."""
+    os.kill(pid, signal.SIGSTOP)
+    try:
+        return loop.sample(seconds)
+    finally:
+        os.kill(pid, signal.SIGCONT)
 
 
 def simulated_s() -> float:
@@ -86,11 +76,11 @@ def main() -> int:
     robots, pids, seconds = given['robots'], given['pids'], given['seconds']
     rospy.init_node('drive_sample', disable_rostime=True)
     drive(robots)
-    bare, found = BareLoop() if given['bare'] else None, []
+    bare, found = Sampler('bare_loop.py') if given['bare'] else None, []
     for _ in range(given['turns']):
         turn = []
         for topics in given['subscribers']:
-            alone = bare and bare.steps_per_s(pids[0], seconds)
+            alone = bare and bare_steps_per_s(bare, pids[0], seconds)
             with raw_topics.Readers(topics, os.environ['ROS_MASTER_URI']):
                 one = sample(pids, seconds, len(robots))
             turn.append({**one, **({'of_bare': one['steps_per_s'] / alone, 'bare': alone}

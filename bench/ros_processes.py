@@ -1,4 +1,5 @@
 """Start nodes with a separate master, and measure their CPU time."""
+import itertools
 import json
 import os
 import socket
@@ -6,7 +7,7 @@ import subprocess
 import sys
 import threading
 import time
-from typing import Any, Dict, List, Optional
+from typing import Any, Callable, Dict, List, Optional
 
 import psutil
 import rosgraph
@@ -112,6 +113,34 @@ def run_script(name: str, *arguments, env: Optional[Dict[str, str]] = None):
     output = subprocess.run(command, env=env, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL,
                             check=True).stdout
     return json.loads(output.decode().splitlines()[-1])
+
+
+class Sampler:
+    """A running script of this folder that calls `answer`. available: whether it is ready."""
+
+    def __init__(self, name: str, *arguments: str):
+        self._process = subprocess.Popen(
+            [sys.executable, os.path.join(HERE, name), *arguments], stdin=subprocess.PIPE,
+            stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, universal_newlines=True, bufsize=1)
+        # PyBullet writes to the standard output too
+        self.available = any(line == 'ready\n' for line in iter(self._process.stdout.readline, ''))
+
+    def sample(self, seconds: float) -> Any:
+        """Let it measure for so long; return what it has measured."""
+        self._process.stdin.write('{}\n'.format(seconds))
+        return json.loads(self._process.stdout.readline())
+
+    def close(self) -> None:
+        """End it."""
+        self._process.communicate()
+
+
+def answer(measure: Callable[[float], Any]) -> None:
+    """Measure for the seconds on each line of the standard input; print the results as JSON."""
+    for text in itertools.chain(['ready\n'], (
+            json.dumps(measure(float(line))) + '\n' for line in sys.stdin)):
+        sys.stdout.write(text)
+        sys.stdout.flush()
 
 
 def descendants(*pids: int) -> List[int]:
