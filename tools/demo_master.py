@@ -3,6 +3,7 @@
 The master forgets the first of two nodes with one name, and that node ends: a second demo on the
 same master would end the first one.
 """
+import contextlib
 import fcntl
 import os
 import socket
@@ -54,7 +55,7 @@ class Claim:
         if not self._mark_used(uri):
             # that demo may be starting
             end = time.monotonic() + _FIRST_NODE_TIMEOUT_S
-            while not _nodes(uri) - {'/rosout'} and time.monotonic() < end:
+            while not (_nodes(uri) or set()) - {'/rosout'} and time.monotonic() < end:
                 time.sleep(_POLL_PERIOD_S)
         taken = self._taken(uri)
         if taken:
@@ -75,7 +76,7 @@ class Claim:
                 break
             if port == _FIRST_PORT:
                 taken = self._taken(uri)
-                if not taken and _is_master(uri):       # a separate roscore
+                if not taken and _nodes(uri) is not None:       # a separate roscore
                     break
                 user = (message('another demo ({})', taken) if taken else
                         message('another program'))
@@ -104,15 +105,19 @@ class Claim:
 
     def _taken(self, uri):
         """Return the names on a master that this demo would take from nodes that answer."""
-        running = {node for node in _nodes(uri) if node.rpartition('/')[2] in _PARTS}
+        running = {node for node in _nodes(uri) or () if node.rpartition('/')[2] in _PARTS}
         if not running:
             return ''
         listed = subprocess.run(
             ['roslaunch', '--nodes', 'img_recog', 'demo.launch', *self._words],
             stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, check=False,
             universal_newlines=True)
-        return ', '.join(name for name in sorted(running.intersection(listed.stdout.split()))
-                         if _answers(uri, name))
+        with contextlib.suppress(OSError), _called(uri) as master:
+            answers = master.ask_nodes(running.intersection(listed.stdout.split()),
+                                       lambda _, node: node.getPid(_NAME))
+            return ', '.join(name for name, (_, answer) in answers.items()
+                             if not isinstance(answer, Exception))
+        return ''
 
     def _write(self, uri):
         self._file = open('{}.{}'.format(_FILE, os.getpid()), 'w')
@@ -132,29 +137,12 @@ def _is_listening(port):
     return False
 
 
-def _call(uri, method, *arguments):
-    """Return the value of a call of a master or a node; raise one of timed_xmlrpc.ERRORS."""
-    with timed_xmlrpc.Master(uri, _NAME, _CALL_TIMEOUT_S) as called:
-        return called.call(method, *arguments)
-
-
-def _is_master(uri):
-    try:
-        return bool(_call(uri, 'getUri'))
-    except timed_xmlrpc.ERRORS:
-        return False
-
-
 def _nodes(uri):
-    try:
-        with timed_xmlrpc.Master(uri, _NAME, _CALL_TIMEOUT_S) as called:
-            return called.state().nodes
-    except OSError:
-        return set()
+    """Return the nodes of a master, None if no master answers."""
+    with contextlib.suppress(OSError), _called(uri) as master:
+        return master.state().nodes
+    return None
 
 
-def _answers(uri, node):
-    try:
-        return _call(_call(uri, 'lookupNode', node), 'getPid') > 0
-    except timed_xmlrpc.ERRORS:
-        return False
+def _called(uri):
+    return timed_xmlrpc.Master(uri, _NAME, _CALL_TIMEOUT_S)
