@@ -19,7 +19,7 @@ import os
 import re
 import subprocess
 import sys
-from typing import Any, Dict, Iterator, List, NamedTuple
+from typing import Any, Iterator, List, NamedTuple
 
 import numpy as np
 import pybullet
@@ -137,6 +137,11 @@ class Golden(NamedTuple):
     commit: str
     path: str
 
+    @property
+    def place(self) -> str:
+        """Its path in the folder of all clones, or in this package."""
+        return os.path.normpath(os.path.join(self.repository.replace('/', '+'), self.path))
+
 
 def read() -> List[Golden]:
     """Return the list."""
@@ -144,42 +149,18 @@ def read() -> List[Golden]:
         return [Golden(*line.split()) for line in file if not line.startswith('#')]
 
 
-def compared(goldens: List[Golden], folder: str = '') -> Iterator[str]:
-    """Yield a line for each file whose hash is another one, or that is not there."""
-    found = _hashes(goldens, folder)
-    for each in goldens:
-        if found.get(_place(each)) != each.hash:
-            yield '{}: {}, expected {}'.format(_place(each), found.get(_place(each), 'not read'),
-                                               each.hash)
+def of_now(goldens: List[Golden], folder: str = '') -> List[Golden]:
+    """Return them with the hashes of now, 'not read' where there is none.
+
+    folder: of the clones; '' if the public files are not read.
+    """
+    found = {line[-1]: line[0] for is_own, start in ((True, ROOT), (False, folder)) if start
+             for line in _lines(os.path.abspath(start), [
+                 each.place for each in goldens if (each.repository == _OWN) == is_own], is_own)}
+    return [each._replace(hash=found.get(each.place, 'not read')) for each in goldens]
 
 
-def write(folder: str) -> None:
-    """Write the hashes of now into the list."""
-    goldens = read()
-    found = _hashes(goldens, folder)
-    with open(LIST) as file:
-        head = [line for line in file if line.startswith('#')]
-    with open(LIST, 'w') as file:
-        file.writelines(head)
-        for each in goldens:
-            file.write(' '.join(each._replace(hash=found.get(_place(each), each.hash))) + '\n')
-
-
-def _place(golden: Golden) -> str:
-    return os.path.normpath(os.path.join(golden.repository.replace('/', '+'), golden.path))
-
-
-def _hashes(goldens: List[Golden], folder: str) -> Dict[str, str]:
-    """Return the hashes of files by their places, those of public ones if there is a folder."""
-    found: Dict[str, str] = {}
-    for is_own, start in ((True, ROOT), (False, folder)):
-        places = [_place(each) for each in goldens if (each.repository == _OWN) == is_own]
-        if start and places:
-            found.update(_hashes_in(os.path.abspath(start), places, is_own))
-    return found
-
-
-def _hashes_in(folder: str, places: List[str], is_own: bool) -> Dict[str, str]:
+def _lines(folder: str, places: List[str], is_own: bool) -> List[List[str]]:
     models = [] if is_own else [os.path.join(folder, each) for each in _MODELS]
     path = os.environ.get('ROS_PACKAGE_PATH', '') if is_own else os.pathsep.join(
         [folder, os.path.abspath(ROOT)])
@@ -188,8 +169,7 @@ def _hashes_in(folder: str, places: List[str], is_own: bool) -> Dict[str, str]:
         cwd=folder, stdout=subprocess.PIPE, check=True, universal_newlines=True,
         env={**os.environ, 'ROS_PACKAGE_PATH': path, 'GAZEBO_RESOURCE_PATH': '',
              'GAZEBO_MODEL_PATH': os.pathsep.join(models)})
-    return {words[-1]: words[0] for words in (line.split() for line in run.stdout.splitlines())
-            if len(words) == 4}
+    return [words for words in map(str.split, run.stdout.splitlines()) if len(words) == 4]
 
 
 def main() -> int:
@@ -199,22 +179,28 @@ def main() -> int:
         parser.add_argument(name, action='store_true')
     parser.add_argument('files', nargs='*', metavar='FILE')
     given = parser.parse_args()
-    folder = ''.join(given.files[:1])
-    if given.write:
-        write(folder)
-    elif given.compare:
-        lines = list(compared([each for each in read() if folder or each.repository == _OWN],
-                              folder))
-        sys.stdout.write('\n'.join(lines or ['no difference']) + '\n')
-        return 1 if lines else 0
-    else:
-        logging.disable(logging.CRITICAL)
-        for path in given.files:
-            text = text_of(path)
-            sys.stdout.write('{} {} lines {}\n'.format(
-                hashlib.sha256(text.encode()).hexdigest()[:16], text.count('\n'), path)
-                if given.hashes else '== {}\n{}'.format(path, text))
-            sys.stdout.flush()
+    if given.write or given.compare:
+        folder = ''.join(given.files[:1])
+        before = [each for each in read() if folder or each.repository == _OWN]
+        after = of_now(before, folder)
+        differ = [(old, new) for old, new in zip(before, after) if old != new]
+        for old, new in differ:
+            sys.stdout.write('{}: {}, expected {}\n'.format(old.place, new.hash, old.hash))
+        if given.write:
+            with open(LIST) as file:
+                text = file.read()
+            for old, new in differ:
+                text = text.replace(' '.join(old), ' '.join(new))
+            with open(LIST, 'w') as file:
+                file.write(text)
+        return 1 if differ else 0
+    logging.disable(logging.CRITICAL)
+    for path in given.files:
+        text = text_of(path)
+        sys.stdout.write('{} {} lines {}\n'.format(
+            hashlib.sha256(text.encode()).hexdigest()[:16], text.count('\n'), path)
+            if given.hashes else '== {}\n{}'.format(path, text))
+        sys.stdout.flush()
     return 0
 
 
