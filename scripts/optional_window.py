@@ -19,21 +19,16 @@ def main():
     parser.add_argument('program', metavar='PROGRAM')
     parser.add_argument('arguments', metavar='ARGUMENT', nargs=argparse.REMAINDER)
     given = parser.parse_args()
-    package, arguments = given.package, given.arguments
-    name = next((word.partition(':=')[2] for word in arguments if word.startswith('__name:=')),
-                given.program)
-    found = subprocess.run(['rospack', 'find', package], stdout=subprocess.DEVNULL,
-                           stderr=subprocess.DEVNULL, check=False).returncode == 0
-    if not found:
-        return _skip(name, '{} is not installed: install the package {} (Debian, if it has it) or '
-                     'ros-noetic-{}'.format(package, package.replace('_', '-'),
-                                            package.replace('_', '-')))
-    if not os.environ.get('DISPLAY'):
-        return _skip(name, 'there is no display: set DISPLAY, or look at the page (web:=true)')
-    os.execvp('rosrun', ['rosrun', package, given.program, *arguments])
-
-
-def _skip(name, reason):
+    name = next((word.partition(':=')[2] for word in given.arguments
+                 if word.startswith('__name:=')), given.program)
+    if subprocess.call(['rospack', 'find', given.package], stdout=subprocess.DEVNULL,
+                       stderr=subprocess.DEVNULL):
+        reason = ('{0} is not installed: install the package {1} (Debian, if it has it) or '
+                  'ros-noetic-{1}'.format(given.package, given.package.replace('_', '-')))
+    elif not os.environ.get('DISPLAY'):
+        reason = 'there is no display: set DISPLAY, or look at the page (web:=true)'
+    else:
+        os.execvp('rosrun', ['rosrun', given.package, given.program, *given.arguments])
     sys.stderr.write('[{}] no window: {}\n'.format(name, reason))
     return 0
 

@@ -13,8 +13,11 @@ parameter has a value that is not allowed), roslaunch is interrupted. Else this 
 roslaunch to end it, because roslaunch would start it again whatever its exit code is.
 """
 import argparse
+import contextlib
+import functools
 import os
 import signal
+import subprocess
 import sys
 import time
 
@@ -43,7 +46,7 @@ class Respawner:
         self._name = _value('__name:=', command) or os.path.basename(command[0])
         self._began_s = time.monotonic()
         self._parent = os.getppid()
-        self._child = 0
+        self._child = None
         self._signum = 0        # the signal that this process got
 
     def run(self):
@@ -70,47 +73,26 @@ class Respawner:
 
     def _run_once(self):
         """Run the command; return its exit code, or the negative number of its signal."""
-        # no signal may come between fork and the assignment
+        # no signal may come between its start and the assignment
         signal.pthread_sigmask(signal.SIG_BLOCK, signals.ENDING)
         if self._signum:
             return 0
-        own = os.getpid()
-        pid = os.fork()
-        if pid == 0:
-            self._become_node(own)
-        self._child = pid
         try:
-            os.setpgid(pid, pid)
-        except OSError:         # the child has done that itself
-            pass
-        signal.pthread_sigmask(signal.SIG_UNBLOCK, signals.ENDING)
-        _, status = os.waitpid(pid, 0)
-        self._child = 0
-        return -os.WTERMSIG(status) if os.WIFSIGNALED(status) else os.WEXITSTATUS(status)
-
-    def _become_node(self, parent):
-        try:
-            # its own group: roslaunch signals the whole group, and the node gets a signal once
-            os.setpgid(0, 0)
-            process_tree.end_with_parent(signal.SIGKILL)
-            if os.getppid() != parent:          # it was killed before
-                os._exit(1)
-            signals.handle(signal.SIG_DFL)
-            signal.pthread_sigmask(signal.SIG_UNBLOCK, signals.ENDING)
-            os.environ['IMG_RECOG_RESPAWN'] = '1'
-            os.execvp(self._command[0], self._command)
+            self._child = subprocess.Popen(
+                self._command, env={**os.environ, 'IMG_RECOG_RESPAWN': '1'},
+                preexec_fn=functools.partial(_become_node, os.getpid()))
         except OSError as error:
             sys.stderr.write('{}: {}\n'.format(self._command[0], error.strerror))
+            return 127
         finally:
-            os._exit(127)
+            signal.pthread_sigmask(signal.SIG_UNBLOCK, signals.ENDING)
+        return self._child.wait()
 
     def _forward(self, signum, _):
         self._signum = signum
-        if self._child:
-            try:
-                os.killpg(self._child, signum)
-            except ProcessLookupError:
-                pass
+        if self._child and self._child.returncode is None:
+            with contextlib.suppress(ProcessLookupError):
+                os.killpg(self._child.pid, signum)
 
     def _give_up(self, code):
         reason = (_FINISHED.get(code)
@@ -137,6 +119,16 @@ class Respawner:
     def _say(self, text):
         sys.stderr.write('[respawn] {}: {}\n'.format(self._name, text))
         sys.stderr.flush()
+
+
+def _become_node(parent):
+    # its own group: roslaunch signals the whole group, and the node gets a signal once
+    os.setpgid(0, 0)
+    process_tree.end_with_parent(signal.SIGKILL)
+    if os.getppid() != parent:          # it was killed before
+        os._exit(1)
+    signals.handle(signal.SIG_DFL)
+    signal.pthread_sigmask(signal.SIG_UNBLOCK, signals.ENDING)
 
 
 def _value(prefix, words):
