@@ -4,6 +4,7 @@ import os
 import pytest
 
 from img_recog_helpers.pages import LAUNCH_FOLDER, launch_arguments, tool
+from img_recog_helpers.refusals import refusal
 
 SWITCHES = ('gui', 'image_view', 'paused', 'recognition', 'simulator', 'teleop', 'use_sim_time',
             'allow_partial_world', 'vision')
@@ -89,3 +90,17 @@ def test_a_relative_path_starts_at_the_working_directory(monkeypatch, word, path
      if '$(' not in each.default]])
 def test_accepted(checked, words):
     assert checked(*words) == (0, '')
+
+
+@pytest.mark.parametrize('name, content, words', [
+    ('urdf', None, 'cannot read the robot in FILE: No such file or directory; set urdf to '),
+    ('urdf', '<robot name="r" xmlns:xacro="http://ros.org/wiki/xacro"><xacro:foo/></robot>',
+     'xacro cannot expand FILE: '),
+    ('colors', 'colors: [blue\n',
+     'cannot read the parameters in FILE: no YAML, line 2, column 1: ')])
+def test_a_file_that_roslaunch_cannot_load_is_refused_in_a_line(tmp_path, name, content, words):
+    path = tmp_path / 'robot.xacro'
+    if content:
+        path.write_text(content)
+    assert refusal(tool('demo').check_files, ['-p', '1', '{}:={}'.format(name, path)]).startswith(
+        words.replace('FILE', str(path)))

@@ -53,8 +53,7 @@ def test_a_node_that_does_not_answer_is_marked():
 
 
 @pytest.mark.parametrize('rate_hz, text', [
-    (None, ''), (0.0, '0 Hz'), (0.25, '0.2 Hz'), (4.96, '5.0 Hz'), (29.97, '30 Hz'),
-    (1000.4, '1000 Hz')])
+    (0.25, '0.2 Hz'), (9.94, '9.9 Hz'), (9.96, '10 Hz'), (1000.4, '1000 Hz')])
 def test_rates(rate_hz, text):
     assert dot.rate_text(rate_hz) == text
 
