@@ -65,11 +65,11 @@ def check_cv_bridge() -> Iterator[Fault]:
     """Report a cv_bridge that cannot be loaded, as one for numpy 1 beside numpy 2."""
     if not (_exists('numpy') and _exists('cv_bridge')):
         return      # check_libraries reports it
-    why = _failure(sys.executable, _same_path() + 'import cv_bridge.boost.cv_bridge_boost')
+    why = _own_failure('import cv_bridge.boost.cv_bridge_boost')
     if why:
-        version = _output(sys.executable, _same_path() + 'import numpy; print(numpy.__version__)')
+        version = _own_failure('import sys, numpy; sys.exit(numpy.__version__)')
         yield Fault(
-            message('cv_bridge cannot be loaded beside numpy {}: {}', version or '?', why),
+            message('cv_bridge cannot be loaded beside numpy {}: {}', version, why),
             message('cv_bridge needs the numpy of the distribution: remove the other one '
                     '("python3 -m pip uninstall numpy"), or run "rm -r .venv" and "./run setup"'))
 
@@ -109,8 +109,7 @@ def check_camera(pattern: str = '/dev/video*') -> Iterator[Fault]:
 def check_opengl() -> Iterator[Fault]:
     """Report that the images of the simulator cannot be drawn by OpenGL."""
     if _exists('moderngl'):
-        why = _failure(sys.executable, _same_path() +
-                       'from img_recog.rendering.opengl import Renderer; Renderer()')
+        why = _own_failure('from img_recog.rendering.opengl import Renderer; Renderer()')
         if why:
             yield Fault(message('images of the simulator cannot be drawn: {}', why),
                         message('run "sudo apt-get install libegl1 libgl1-mesa-dri"'))
@@ -181,10 +180,6 @@ def _exists(module: str) -> bool:
         return False
 
 
-def _same_path() -> str:
-    return 'import sys; sys.path[:] = {!r}; '.format(sys.path)
-
-
 def _failure(python: str, code: str) -> str:
     """Return the last line that code prints if it fails in an interpreter, else ''."""
     try:
@@ -197,10 +192,9 @@ def _failure(python: str, code: str) -> str:
     return shortened(lines[-1] if lines else done.returncode) if done.returncode else ''
 
 
-def _output(python: str, code: str) -> str:
-    done = subprocess.run([python, '-c', code], stdout=subprocess.PIPE, stderr=subprocess.DEVNULL,
-                          check=False, timeout=_TIMEOUT_S)
-    return shortened(done.stdout.decode(errors='replace').strip())
+def _own_failure(code: str) -> str:
+    """Return the same for this interpreter, with the modules that it finds now."""
+    return _failure(sys.executable, 'import sys; sys.path[:] = {!r}; {}'.format(sys.path, code))
 
 
 def _addresses(name: str) -> Set[str]:
