@@ -55,14 +55,16 @@ class LargePublisher:
         """Stop to advertise; what is published from now on is dropped."""
         self._publisher.unregister()
 
+    def _is_wanted(self) -> bool:
+        return self._redelivery is not None or self._publisher.get_num_connections() > 0
+
     def publish_data(self, draw: Draw, shape: tuple, msg: Union[Image, PointCloud2]) -> None:
         """Publish a message, whose data are drawn only if there are subscribers.
 
         shape: of the data; msg: the message without data.
         """
         topic = self._publisher.impl
-        if topic is None or not (self._publisher.get_num_connections()
-                                 or self._redelivery is not None):
+        if topic is None or not self._is_wanted():
             return
         if self._is_plain:
             data, self._note = np.empty(shape, np.uint8), None
@@ -115,6 +117,8 @@ class ImagePublisher(LargePublisher):
         the same memory before, which has kept its content; if that is None, this is arbitrary.
         shape: (height, width, channels); encoding: as for `publish`.
         """
+        if not self._is_wanted():
+            return
         height, width, channels = shape
 
         def draw_over(result: np.ndarray) -> None:

@@ -66,6 +66,19 @@ def test_a_file_that_accepts_nothing(handlers, capfd):
     assert err.startswith('[WARN] cannot write to /dev/full: No space left on device; ')
 
 
+def test_a_file_changes_at_its_size_which_is_looked_at_seldom(handlers, tmp_path, monkeypatch):
+    handler = RotatingFileHandler(str(tmp_path / 'node.log'), 'a', 1000, 2)
+    formatted, original = [], handler.format
+    monkeypatch.setattr(handler, 'format', lambda record: formatted.append(1) or original(record))
+    log = handlers(handler)
+    for number in range(1000):
+        log.info('line %d %s', number, 'x' * 100)
+    assert 1000 < len(formatted) < 1050
+    assert sorted(path.name for path in tmp_path.iterdir()) == [
+        'node.log', 'node.log.1', 'node.log.2']
+    assert 'line 999 ' in (tmp_path / 'node.log').read_text().splitlines()[-1]
+
+
 def test_each_reason_is_said_once(handlers, capfd, monkeypatch):
     handler = logging.FileHandler(os.devnull)
     log, errors = handlers(handler), []
