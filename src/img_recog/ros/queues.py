@@ -1,10 +1,24 @@
 """Queues between the callbacks of a node and its loop."""
 import threading
 from concurrent.futures import Future
-from typing import Any, Callable, Optional
+from typing import Any, Callable, List, Optional, Tuple
 
 
-class LatestValue:
+class _Wakeable:
+    """What a loop waits for; the wait can be ended."""
+
+    def __init__(self):
+        self._condition = threading.Condition()
+        self._is_woken = False
+
+    def wake(self) -> None:
+        """End the wait of the loop now; if it does not wait, its next wait ends immediately."""
+        with self._condition:
+            self._is_woken = True
+            self._condition.notify()
+
+
+class LatestValue(_Wakeable):
     """Holds the newest item only. Callbacks put, one loop takes.
 
     The loop does not wait in a queue.SimpleQueue: in CPython 3.11, `get` with a timeout waits
@@ -13,9 +27,8 @@ class LatestValue:
     """
 
     def __init__(self):
-        self._condition = threading.Condition()
+        super().__init__()
         self._item: Optional[Any] = None
-        self._is_woken = False
 
     def put(self, item: Any) -> Optional[Any]:
         """Store the item; return the previous one if it was never taken."""
@@ -33,19 +46,13 @@ class LatestValue:
             item, self._item, self._is_woken = self._item, None, False
         return item
 
-    def wake(self) -> None:
-        """End the wait of the loop now; if it does not wait, its next wait ends immediately."""
-        with self._condition:
-            self._is_woken = True
-            self._condition.notify()
 
-
-class CallQueue:
+class CallQueue(_Wakeable):
     """Calls from service handlers, executed in the thread of the loop."""
 
     def __init__(self):
-        self._condition = threading.Condition()
-        self._waiting, self._is_woken = [], False
+        super().__init__()
+        self._waiting: List[Tuple[Callable[[], Any], Future]] = []
 
     def __len__(self) -> int:
         return len(self._waiting)
@@ -64,12 +71,6 @@ class CallQueue:
             return future.result(timeout_s)
         finally:
             future.cancel()
-
-    def wake(self) -> None:
-        """End the wait of the loop now; if it does not wait, its next wait ends immediately."""
-        with self._condition:
-            self._is_woken = True
-            self._condition.notify()
 
     def process(self, timeout_s: float) -> None:
         """Execute the waiting calls, or wait up to `timeout_s` for the first; for the loop."""
