@@ -10,6 +10,7 @@ from img_recog.errors import one_line
 from img_recog.ros import parameters, timed_xmlrpc
 from img_recog.ros.timed_xmlrpc import Master
 from img_recog.ros.transport import registration
+from img_recog.ros.transport.switch import is_plain
 
 _PERIOD_S = 1.0
 _MAX_TIMEOUTS = 3       # a busy master may miss one; a refused connection is reported at once
@@ -109,10 +110,10 @@ class MasterWatch:
         self._is_registering = True         # until all of it has succeeded
         values = {'{}/{}'.format(self._name, key): value for key, value in self._private.items()}
         count = self._master.set_missing({**values, **(self._shared or {})})
-        registered = registration.register_again(self._master.call)
+        topics, services = registration.register_again(self._master.call)
         self._is_registering = self._is_gone = False
         rospy.loginfo('a master answers at %s: registered again, topics %d, services %d, '
-                      'parameters %d', self._uri, registered.topics, registered.services, count)
+                      'parameters %d', self._uri, topics, services, count)
 
 
 def start(on_shutdown: Callable[[Callable[[], None]], None]) -> None:
@@ -120,7 +121,7 @@ def start(on_shutdown: Callable[[Callable[[], None]], None]) -> None:
 
     on_shutdown: registers a hook for the begin of the shutdown.
     """
-    if registration.is_watched():
+    if not is_plain('registration'):
         watch = MasterWatch()
         on_shutdown(watch.stop)
         watch.start()

@@ -7,7 +7,7 @@ different.
 Names that are used
     image_publisher.py
         `impl` of a Publisher: connections, seq.
-    outbox.py
+    outbox.py, outbox_publisher.py
         `impl` of a Publisher: c_lock, connections; add_connection, which is replaced. A
         connection's socket, close, stat_bytes, stat_num_msg; write_data, which is replaced, and
         `outbox`, which is added.

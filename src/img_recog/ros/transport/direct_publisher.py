@@ -1,13 +1,13 @@
 """A publisher for small messages at high rates."""
 import io
-from typing import Callable, Optional
+from typing import Optional
 
-import rospy
+from rospy.impl.tcpros_base import TCPROSTransport
 from rospy.msg import serialize_message
 
-from img_recog.ros.transport.outbox import Packet, advertise, send
+from img_recog.ros.transport.outbox import Packet
+from img_recog.ros.transport.outbox_publisher import OutboxPublisher
 from img_recog.ros.transport.redelivery import Redelivery
-from img_recog.ros.transport.switch import is_plain
 
 _QUEUE_SIZE = 10        # with plain rospy
 _LENGTH_BYTES = 4       # before each message on the wire
@@ -24,7 +24,7 @@ class _Serialized:
         buff.write(self._data)
 
 
-class DirectPublisher:
+class DirectPublisher(OutboxPublisher):
     """Publishes synchronously, and never blocks.
 
     With a queue, rospy passes each message to a thread per subscriber, which takes four times
@@ -41,22 +41,8 @@ class DirectPublisher:
 
         latch: whether a new subscriber gets the last message. redelivery: sends the messages.
         """
-        self._redelivery = redelivery
-        self._is_plain = is_plain('direct_publisher')
         self._buffer, self._count = io.BytesIO(), 0     # of the messages in the buffer
-        if self._is_plain:
-            self._publisher = rospy.Publisher(
-                name, data_class, latch=latch or redelivery is not None, queue_size=_QUEUE_SIZE)
-        else:
-            self._publisher = advertise(name, data_class, latch, self._connect)
-
-    def get_num_connections(self) -> int:
-        """Return the number of subscribers."""
-        return self._publisher.get_num_connections()
-
-    def unregister(self) -> None:
-        """Stop to advertise; nothing can be published any more."""
-        self._publisher.unregister()
+        super().__init__('direct_publisher', name, data_class, _QUEUE_SIZE, latch, redelivery)
 
     def publish(self, msg) -> None:
         """Send a message to all subscribers that have room for it."""
@@ -108,17 +94,13 @@ class DirectPublisher:
                 return
             buffer.seek(0)
             buffer.truncate()
-            packet = Packet(data, count)
-            if self._redelivery is None:
-                send(packet, topic.connections)
-            else:
-                self._redelivery.send(packet, topic)
+            self._send(Packet(data, count), topic)
 
-    def _connect(self, add: Callable[[], bool]) -> bool:
+    def _connect(self, connection: TCPROSTransport) -> bool:
         """Add a subscriber, which gets the latched message first, and once."""
         lock = self._publisher.impl.publock
         if lock is None:        # rospy has closed the topic
-            return add()
+            return super()._connect(connection)
         with lock:
             self.flush()
-            return add()
+            return super()._connect(connection)

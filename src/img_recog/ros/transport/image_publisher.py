@@ -6,14 +6,13 @@ import weakref
 from typing import Any, Callable, Optional, Tuple, Union
 
 import numpy as np
-import rospy
 from sensor_msgs.msg import Image, PointCloud2
 from std_msgs.msg import Header
 
 from img_recog.ros.transport import memory
-from img_recog.ros.transport.outbox import Packet, advertise, send
+from img_recog.ros.transport.outbox import Packet
+from img_recog.ros.transport.outbox_publisher import OutboxPublisher
 from img_recog.ros.transport.redelivery import Redelivery
-from img_recog.ros.transport.switch import is_plain
 
 # Writes data into an array of a given shape, uint8, whose content is arbitrary.
 Draw = Callable[[np.ndarray], None]
@@ -22,7 +21,7 @@ _LENGTH = struct.Struct('<I')
 _BYTES_BEHIND = {Image: 0, PointCloud2: 1}      # of fields that follow the data on the wire
 
 
-class LargePublisher:
+class LargePublisher(OutboxPublisher):
     """Sends messages with much data, which are drawn into the bytes that are sent.
 
     rospy copies each image into a message and that into a buffer: a frame whose images are viewed
@@ -38,22 +37,11 @@ class LargePublisher:
         drawn then also if there is no subscriber yet.
         """
         memory.keep()
-        self._is_plain, self._redelivery = is_plain('image_publisher'), redelivery
         # memory of the last message, which is used again if nobody has it
         self._data, self._sent = np.empty(0, np.uint8), lambda: None    # type: Any, Any
         self._layout: Any = None
         self._note: Any = None      # of what is in it; None: it is arbitrary
-        self._publisher = (rospy.Publisher(name, data_class, queue_size=1,
-                                           latch=redelivery is not None)
-                           if self._is_plain else advertise(name, data_class))
-
-    def get_num_connections(self) -> int:
-        """Return the number of subscribers."""
-        return self._publisher.get_num_connections()
-
-    def unregister(self) -> None:
-        """Stop to advertise; what is published from now on is dropped."""
-        self._publisher.unregister()
+        super().__init__('image_publisher', name, data_class, 1, redelivery=redelivery)
 
     def _is_wanted(self) -> bool:
         return self._redelivery is not None or self._publisher.get_num_connections() > 0
@@ -86,10 +74,7 @@ class LargePublisher:
         sent = self._data[:]
         packet, self._sent = Packet(sent.data), weakref.ref(sent)
         del sent        # only the packet has it
-        if self._redelivery is None:
-            send(packet, topic.connections)
-        else:
-            self._redelivery.send(packet, topic)
+        self._send(packet, topic)
 
 
 class ImagePublisher(LargePublisher):

@@ -2,17 +2,10 @@
 import contextlib
 import socket
 import threading
-import warnings
-from queue import Empty, SimpleQueue
-from typing import Callable, Iterable, NamedTuple, Optional, Tuple, Union
+from typing import Iterable, NamedTuple, Optional, Union
 
-import rospy
 from rospy.exceptions import TransportTerminated
 from rospy.impl.tcpros_base import TCPROSTransport
-
-# After this time without work, the thread of an outbox ends. With a new thread each time, a frame
-# whose images are viewed takes 9 % more CPU time at 1920x1080, and as much at 640x480.
-_IDLE_S = 1.0
 
 
 class Packet(NamedTuple):
@@ -36,9 +29,6 @@ class Outbox:
         self._lock = threading.Lock()
         self._is_behind = False         # the thread is sending
         self._newest: Optional[Packet] = None       # what it sends next
-        # what it sends first, and how many bytes of it are sent already
-        self._begun: 'SimpleQueue[Tuple[Packet, int]]' = SimpleQueue()
-        self._has_thread = False
 
     def write_data(self, data: bytes) -> bool:
         """Send a message; replaces `write_data` of the connection.
@@ -64,29 +54,13 @@ class Outbox:
         self._count(packet)
         if count < len(packet.data):
             self._is_behind = True
-            self._begun.put((packet, count))
-            with self._lock:
-                if not self._has_thread:
-                    self._has_thread = True
-                    threading.Thread(target=self._run, args=(sock,), name='outbox',
-                                     daemon=True).start()
+            threading.Thread(target=self._catch_up, args=(sock, packet, count), name='outbox',
+                             daemon=True).start()
 
     def _count(self, packet: Packet) -> None:
         """Count what is sent, for getBusStats of the node."""
         self._connection.stat_bytes += len(packet.data)
         self._connection.stat_num_msg += packet.messages
-
-    def _run(self, sock: socket.socket) -> None:
-        while True:
-            try:
-                packet, count = self._begun.get(timeout=_IDLE_S)
-            except Empty:
-                with self._lock:
-                    if self._begun.empty():
-                        self._has_thread = False
-                        return
-            else:
-                self._catch_up(sock, packet, count)
 
     def _catch_up(self, sock: socket.socket, packet: Optional[Packet], count: int) -> None:
         """Send a packet without its first bytes, and then the newest one, until there is none."""
@@ -103,44 +77,13 @@ class Outbox:
             count = 0
 
 
-def advertise(name: str, data_class: type, latch: bool = False,
-              connect: Callable[[Callable[[], bool]], bool] = lambda add: add()
-              ) -> rospy.Publisher:
-    """Return a publisher without queues, whose connections have an Outbox each.
-
-    They have it before rospy sends them the latched message.
-    connect: is called for each new connection, with a function that adds it to the topic; returns
-    what this returns.
-    """
-    with warnings.catch_warnings():
-        warnings.simplefilter('ignore', SyntaxWarning)      # about the missing queue
-        publisher = rospy.Publisher(name, data_class, latch=latch, queue_size=None)
-    topic = publisher.impl
-    with topic.c_lock:
-        if 'add_connection' not in vars(topic):     # not advertised in another place
-            ordinary = topic.add_connection
-
-            def add_connection(connection: TCPROSTransport) -> bool:
-                _give_outbox(connection)
-                return connect(lambda: ordinary(connection))
-            topic.add_connection = add_connection
-            for connection in topic.connections:
-                _give_outbox(connection)
-    return publisher
-
-
 def send(packet: Packet, connections: Iterable[TCPROSTransport]) -> None:
-    """Send a packet to connections of a publisher of `advertise`; close those that fail."""
+    """Send a packet to connections of an OutboxPublisher; close those that fail."""
     for connection in connections:
         try:
             connection.outbox.put(packet)
         except (OSError, TransportTerminated):      # like rospy
             _close(connection)
-
-
-def _give_outbox(connection: TCPROSTransport) -> None:
-    connection.outbox = Outbox(connection)
-    connection.write_data = connection.outbox.write_data
 
 
 def _close(connection: TCPROSTransport) -> None:

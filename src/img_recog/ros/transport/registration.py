@@ -1,29 +1,15 @@
 """Registering with a new master: rospy registers only once; no new node would find this one."""
-from typing import Any, Callable, NamedTuple
+from typing import Any, Callable, Tuple
 
 import rospy
 from rospy.impl import registration
 
-from img_recog.ros.transport.switch import is_plain
 
-
-class Registered(NamedTuple):
-    """How much was registered."""
-
-    topics: int
-    services: int
-
-
-def is_watched() -> bool:
-    """Return whether nodes notice a new master: not with plain rospy."""
-    return not is_plain('registration')
-
-
-def register_again(call: Callable[..., Any]) -> Registered:
+def register_again(call: Callable[..., Any]) -> Tuple[int, int]:
     """Register all topics and services of this node, and connect its subscribers.
 
     call: calls the master with the name of a method and its arguments without the caller's name,
-    returns the value, and raises what fails.
+    returns the value, and raises what fails. Returns how many topics and services there are.
     """
     topics, services = registration.get_topic_manager(), registration.get_service_manager()
     managers = [listener for listener in registration.get_registration_listeners().listeners
@@ -39,4 +25,4 @@ def register_again(call: Callable[..., Any]) -> Registered:
     offered = services.get_services()
     for name, service_uri in offered:
         call('registerService', name, service_uri, uri)
-    return Registered(len(publications) + len(subscriptions), len(offered))
+    return len(publications) + len(subscriptions), len(offered)

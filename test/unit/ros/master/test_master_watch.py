@@ -38,7 +38,7 @@ def watch(monkeypatch, lines, master, timeout_s):
     def register_again(call):
         call('hasParam', '/anything')
         master.nodes['/node'] = URI
-        return master_watch.registration.Registered(5, 2)
+        return 5, 2
     monkeypatch.setattr(master_watch.registration, 'register_again', register_again)
     watch = MasterWatch(timeout_s)
     watch.poll()

@@ -24,7 +24,7 @@ def test_all_topics_and_services_are_registered_again(name, monkeypatch):
     def call(*words):
         calls.append(words)
         return ['http://publisher'] if words[0] == 'registerSubscriber' else 1
-    assert registration.register_again(call) == registration.Registered(topics=2, services=1)
+    assert registration.register_again(call) == (2, 1)
     assert calls == [('registerPublisher', '/a' + name, String._type, 'http://node'),
                      ('registerSubscriber', '/b' + name, Image._type, 'http://node'),
                      ('registerService', '/service', 'rosrpc://node', 'http://node')]
