@@ -151,23 +151,24 @@ class ColorExtract:
             self._counts.refused.add(error)
             self._warn('frame skipped: %s', error)
             return
+        commands = self._commander.decide(areas_px, time.monotonic())
+        self._publish_commands(commands)
+        self._counts.count_latency(rospy.get_time(), msg.header.stamp.to_sec())
+        # all else comes after the commands, so as not to delay them
         line = ', '.join('{}={}'.format(name, area_px) for name, area_px
                          in zip(self._settings.color_names, areas_px))
-        commands = self._commander.decide(areas_px, time.monotonic())
         # /rosout and the log file have the line of each frame, as in the article
         if self._shown.shows(self._commander.frame_commands):
             rospy.loginfo(line)
         else:
             self._line.write(line)
-        self._publish_commands(commands)
-        self._counts.count_latency(rospy.get_time(), msg.header.stamp.to_sec())
         self._publish_images(msg.header, areas_px, commands)
         self._counts.processed.add()
         self._counts.processing.add(time.perf_counter() - begin_s)
 
     def _publish_images(self, header: Header, areas_px: Sequence[int],
                         commands: Sequence[Command]) -> None:
-        """Publish what is for viewers; after the commands, so as not to delay them."""
+        """Publish what is for viewers."""
         for number, publisher in enumerate(self._masked):
             publisher.publish_drawn(partial(self._extractor.draw_masked, number),
                                     self._extractor.shape, 'bgr8', header)
