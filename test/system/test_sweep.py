@@ -49,8 +49,6 @@ def sweep(ros, tmp_path):
 def test_two_processes_write_the_bytes_of_one(sweep, tmp_path):
     code, output = sweep('--jobs', '1', '--films', '1')
     assert code == 0
-    assert re.search(r'^sweep.py: info: 4 runs of about [\d.]+ s .*: \d+ s on one core, '
-                     r'\d+ s on 1 here', output, re.M)
     assert re.search(r'^4 runs, \d have succeeded, 0 have no result; wrote s.sweep.csv, ', output,
                      re.M)
     first = contents(tmp_path, '.sweep.')
@@ -103,7 +101,7 @@ def test_resume_repeats_what_has_read_other_files_and_nothing_else(sweep, tmp_pa
     assert kept.items() <= again.items() and len(again) == 6
     (tmp_path / 's.sweep.md').rmdir()
     code, output = sweep(*arguments, '--resume', **changes)
-    assert code == 0 and 'the first one took' not in output
+    assert code == 0, output
     with open(str(tmp_path / 's.sweep.csv')) as file:
         touched = {row['key']: row['touched'] for row in csv.DictReader(file)}
     assert touched == {'world={},light={}#1'.format(world, light): 'wall' * (world == 'w')
@@ -119,7 +117,7 @@ def test_a_run_without_a_result_is_named_and_the_exit_code_says_so(sweep, tmp_pa
 
 @pytest.mark.parametrize('changes, words', [
     ({'world': 'mars'}, 's.yaml: world: no file '),
-    ({'runs': '2000000'}, r'4000000 runs of about .* d on one core, .* d on 1 here; add --yes'),
+    ({'runs': '2000000'}, 's.yaml: 4000000 runs, allowed are 1000000; set runs to less'),
     ({'time_limit': '-1'}, 's.yaml: time_limit: got -1.0, allowed is a finite number above 0')])
 def test_what_is_refused_is_one_line(sweep, tmp_path, changes, words):
     code, output = sweep('--jobs', '1', **changes)

@@ -1,4 +1,5 @@
 """Runs pieces by Dask: in processes on this machine, or on the workers of a scheduler."""
+import argparse
 import contextlib
 import logging
 import shlex
@@ -16,7 +17,6 @@ from distributed.scheduler import KilledWorker
 from distributed.security import Security
 
 from img_recog.batch import code_version
-from img_recog.batch.options import Options
 from img_recog.batch.work import Done, Function, Piece, run_piece
 from img_recog.errors import UserError, one_line
 from img_recog.processes.signals import Interrupts, uninterrupted
@@ -72,7 +72,7 @@ class _Client(Client):
             super().__del__()
 
 
-def connected(options: Options, interrupts: Interrupts) -> ContextManager[Client]:
+def connected(options: argparse.Namespace, interrupts: Interrupts) -> ContextManager[Client]:
     """Return a `with` that has workers; raise UserError if there is no such cluster."""
     # what the user can do something about is said in one line
     for name in [*logging.root.manager.loggerDict, 'asyncio']:
@@ -144,7 +144,7 @@ def _check(client: Client, address: str) -> None:
 
 
 def completed(client: Client, function: Function, pieces: Sequence[Piece],
-              options: Options) -> Iterator[Done]:
+              options: argparse.Namespace) -> Iterator[Done]:
     """Run pieces, in any order; raise UserError if the cluster ends."""
     # contents of files on workers: Dask forgets one that no piece holds
     copies: MutableMapping[str, Future] = weakref.WeakValueDictionary()
@@ -190,7 +190,7 @@ def _done(piece: Piece, future: Any) -> Done:
     try:
         return Done(piece, *future.result())
     except KilledWorker:
-        return Done(piece, b'', 'each worker that ran it has crashed or was killed: a library '
+        return Done(piece, None, 'each worker that ran it has crashed or was killed: a library '
                     'cannot read its files, or it needs more memory than there is', True)
     except Exception as error:      # of Dask: an argument that cannot be sent
-        return Done(piece, b'', '{}: {}'.format(type(error).__name__, one_line(error)))
+        return Done(piece, None, '{}: {}'.format(type(error).__name__, one_line(error)))

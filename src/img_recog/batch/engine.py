@@ -4,19 +4,35 @@ A result depends on its piece alone, so the number of processes, and which of th
 make no difference. Each result is a file of the work folder as soon as it is known: an
 interrupted run goes on from there.
 """
+import argparse
 import contextlib
 import logging
+import os
 from typing import Any, Dict, Generator, Iterator, Optional, Sequence, Tuple
 
 from tqdm import tqdm
 
-from img_recog.batch.options import Options
 from img_recog.batch.work import Done, Function, Piece, run_piece
 from img_recog.batch.work_folder import WorkFolder
+from img_recog.command_line.option_types import allowed
 from img_recog.errors import UserError
 from img_recog.processes.signals import Interrupts
 
 _log = logging.getLogger(__name__)
+
+
+def add_options(parser: argparse.ArgumentParser) -> None:
+    """Add the options of an Engine: where the pieces run, and whether an earlier run goes on."""
+    parser.add_argument('--jobs', type=allowed(int, lambda jobs: 1 <= jobs <= 1024,
+                                               'a whole number from 1 to 1024'),
+                        default=len(os.sched_getaffinity(0)), metavar='N',
+                        help='processes on this machine (default: one a core)')
+    parser.add_argument('--scheduler', default='', metavar='tcp://HOST:PORT',
+                        help='run on the cluster of this scheduler of Dask, not on this machine')
+    parser.add_argument('--copy', action='store_true',
+                        help='send the files to the workers, which do not share a file system')
+    parser.add_argument('--resume', action='store_true',
+                        help='go on where an interrupted run with the same output has ended')
 
 
 class Results:
@@ -34,19 +50,21 @@ class Results:
 
 
 class Engine:
-    """Runs pieces where options say, one stage after the other.
+    """Runs pieces where the options of `add_options` say, one stage after the other.
 
     The processes and the results stay until the `with` ends. The results also stay after it, for
     options.resume, if it is left by an exception or a piece may succeed another time.
     problems: why the pieces of a key cannot be used, the first reason.
     """
 
-    def __init__(self, options: Options, interrupts: Interrupts, output: str,
+    def __init__(self, options: argparse.Namespace, interrupts: Interrupts, output: str,
                  log: Optional[logging.Logger] = None):
         """output: the results are in the folder `output`.work meanwhile.
 
-        log: where each problem is said at once.
+        log: where each problem is said at once. Raises UserError for options that make no sense.
         """
+        if options.copy and not options.scheduler:
+            raise UserError('--copy is for the workers of a --scheduler, which is missing')
         self._options, self._interrupts = options, interrupts
         self._folder, self._problem_log = output + '.work', log
         self._stack = contextlib.ExitStack()
@@ -82,12 +100,11 @@ class Engine:
             self._forget()
             raise
 
-    def run(self, function: Function, pieces: Sequence[Piece], unit: str = ' runs',
-            known: Sequence[Done] = ()) -> Results:
+    def run(self, function: Function, pieces: Sequence[Piece], unit: str = ' runs') -> Results:
         """Run `function(paths, *arguments)` for each piece; return the results.
 
         A UserError, or any other exception, of a piece is its problem. unit: of the size of the
-        pieces, for the progress. known: pieces among these that have run already.
+        pieces, for the progress.
         Raises UserError if the pieces cannot be run or the results not be written.
         """
         work = WorkFolder(self._folder, function)
@@ -98,24 +115,18 @@ class Engine:
         # a piece is known by itself: several may have the same key, or results of the same name
         names = {id(piece): work.name_of(piece) for piece in pieces}
         problems: Dict[int, str] = {}
-
-        def note(done: Done) -> None:
-            self._is_lost = self._is_lost or done.is_lost
-            if done.problem:
-                problems[id(done.piece)] = done.problem
-            else:
-                work.write(names[id(done.piece)], done.content)
-        for done in known:
-            note(done)
-        waiting = [piece for piece in pieces
-                   if id(piece) not in problems and not work.has(names[id(piece)])]
+        waiting = [piece for piece in pieces if not work.has(names[id(piece)])]
         with self._interrupts.deferred():   # the destructor of tqdm fails after half a constructor
             total = sum(piece.size for piece in pieces)
             progress = tqdm(total=total, initial=total - sum(piece.size for piece in waiting),
                             unit=unit, disable=None)
         with progress, contextlib.closing(self._done(function, waiting)) as running:
             for done in running:
-                note(done)
+                self._is_lost = self._is_lost or done.is_lost
+                if done.problem:
+                    problems[id(done.piece)] = done.problem
+                else:
+                    work.write(names[id(done.piece)], done.result)
                 progress.update(done.piece.size)
         for piece in pieces:
             if id(piece) in problems and piece.key not in self.problems:

@@ -4,13 +4,12 @@ import csv
 import functools
 import logging
 import os
-import re
 from typing import Callable, Dict, List, Sequence
 
 from img_recog import files
-from img_recog.batch import evaluate_report, evaluation, labels, options, recorded
-from img_recog.batch.engine import Engine
-from img_recog.batch.evaluation import ColorSet, Measured, Truth, evaluated
+from img_recog.batch import evaluate_report, labels, recorded
+from img_recog.batch.engine import Engine, add_options
+from img_recog.batch.evaluate_report import ColorSet, Measured, Truth, evaluated
 from img_recog.batch.work import Piece
 from img_recog.command_line import programs
 from img_recog.command_line import results
@@ -31,16 +30,16 @@ def main() -> int:
 
 def _main(words: Sequence[str], interrupts: Interrupts) -> str:
     given = _parser().parse_args(words)
-    where = options.of(given)
     named = _named([os.path.abspath(path) for path in recording_names.expand(
         given.recordings, _log.warning)], labels.of_path)
     sets = _color_sets(given.colors)
     truth = _read_truth(os.path.expanduser(given.truth), named, sets) if given.truth else {}
     paths = files.output_paths(next(iter(named.values())), os.path.expanduser(given.output),
                                results.report_extensions(), 'evaluated')
-    with Engine(where, interrupts, re.sub(r'\.csv$', '', paths[0]), _log) as engine:
-        measured = _measured(engine, named, sets, given.topic, given.max_image_pixels)
-        said = recorded.said({name: [each.remarks] for name, each in measured.items()}, _log)
+    with Engine(given, interrupts, paths[0][:-len('.csv')], _log) as engine:
+        measured = _measured(engine, named, sets, given)
+        remarks = {name: [part.remarks for part in parts] for name, parts in measured.items()}
+        said = recorded.said(remarks, _log)
         found = [evaluated(name, each, sets) for name, each in measured.items()]
         with files.atomic_write(paths) as opened:
             results.write_report(
@@ -48,8 +47,7 @@ def _main(words: Sequence[str], interrupts: Interrupts) -> str:
                 evaluate_report.markdown(
                     sets, found, truth, recorded.not_used(engine.problems, said)),
                 lambda file: evaluate_report.draw(file, sets, found))
-    used, skipped, *_ = functools.reduce(Remarks.plus, (each.measured.remarks for each in found),
-                                         Remarks())
+    used, skipped, *_ = functools.reduce(Remarks.plus, sum(remarks.values(), []), Remarks())
     summary = '{} of {}, {}, {}; wrote {}'.format(
         len(found), counted(len(named), 'recording'),
         ('{} of '.format(used) if skipped else '') + counted(used + skipped, 'frame'),
@@ -57,18 +55,16 @@ def _main(words: Sequence[str], interrupts: Interrupts) -> str:
     return programs.Incomplete(summary) if engine.problems else summary
 
 
-def _measured(engine: Engine, named: Dict[str, str], sets: Sequence[ColorSet], topic: str,
-              max_pixels: int) -> Dict[str, Measured]:
-    """Return what was measured in each recording that can be read to its end, and has images."""
-    divided = engine.run(recorded.divide, [
-        Piece(name, (topic, max_pixels), (path,)) for name, path in named.items()], ' recordings')
-    measured = engine.run(evaluation.measure, [
-        Piece(piece.key, (part, max_pixels), (*piece.files, *(each.path for each in sets)),
-              part.frames) for piece, found in divided for part in found.parts], ' frames')
-    grouped: Dict[str, List[Measured]] = {}
-    for piece, found in measured:
-        grouped.setdefault(piece.key, []).append(found)
-    return {name: parts[0].joined(parts[1:]) for name, parts in grouped.items()}
+def _measured(engine: Engine, named: Dict[str, str], sets: Sequence[ColorSet],
+              given: argparse.Namespace) -> Dict[str, List[Measured]]:
+    """Return what was measured in the parts of each recording that can be read to its end."""
+    found: Dict[str, List[Measured]] = {}
+    for piece, measured in engine.run(evaluate_report.measure, [
+            Piece(each.name, (each.part, given.max_image_pixels),
+                  (each.path, *(colors.path for colors in sets)), each.part.frames)
+            for each in recorded.divided(engine, named, given)], ' frames'):
+        found.setdefault(piece.key, []).append(measured)
+    return found
 
 
 def _named(paths: Sequence[str], forms: Callable[[str], List[str]]) -> Dict[str, str]:
@@ -125,5 +121,5 @@ def _parser() -> argparse.ArgumentParser:
     parser.add_argument('--output', default='', metavar='FOLDER_OR_PREFIX',
                         help='where to write the files (default: NAME.evaluated.csv, .md and .png '
                         'in the current folder, of the first recording)')
-    options.add_to(parser)
+    add_options(parser)
     return parser

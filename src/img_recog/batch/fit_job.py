@@ -2,15 +2,15 @@
 import argparse
 import logging
 import os
-from typing import Any, Dict, Iterable, List, NamedTuple, Optional, Sequence, Set, Tuple
+from typing import Any, Dict, Iterable, List, Optional, Sequence, Set
 
 from img_recog import files
 from img_recog.batch import fit_pieces, recorded
-from img_recog.batch import options as batch_options
-from img_recog.batch.engine import Engine, Results
-from img_recog.batch.fit_pieces import FIT, Source
+from img_recog.batch.engine import Engine, Results, add_options
+from img_recog.batch.fit_pieces import FIT
 from img_recog.batch.fit_report import Report
 from img_recog.batch.fit_settings import BaseSettings
+from img_recog.batch.recorded import RecordingPart
 from img_recog.batch.work import Piece
 from img_recog.command_line import programs
 from img_recog.errors import UserError
@@ -24,13 +24,6 @@ from img_recog.recordings import recording_names
 from img_recog.recordings.frames import Remarks
 
 _log = logging.getLogger('fit_colors.py')
-
-
-class RecordingPart(NamedTuple):
-    """A part of a recording; path: of the recording."""
-
-    path: str
-    source: Source
 
 
 def main(arguments: Optional[Sequence[str]] = None) -> int:
@@ -54,7 +47,7 @@ def _run(arguments: List[str], interrupts: Interrupts) -> str:
     for path in [*paths, options.samples, options.check, options.colors]:
         for output in report.paths:
             files.refuse_input(output, path, 'read', 'set --output to another')
-    with Engine(batch_options.of(options), interrupts, options.output, _log) as engine:
+    with Engine(options, interrupts, options.output, _log) as engine:
         summary = _Fitting(options, sets, paths, engine).run(report)
     return programs.Incomplete(summary) if engine.problems else summary
 
@@ -77,8 +70,10 @@ class _Fitting:
 
     def run(self, report: Report) -> str:
         """Fit the colors and write the report; return a summary."""
-        divided = self._divided()
-        counted = self._stage(fit_pieces.count, divided, ())
+        # workers of a cluster are in other folders
+        divided = recorded.divided(self._engine, {path: os.path.abspath(path)
+                                                  for path in self._paths}, self._options)
+        counted = self._stage(fit_pieces.count, divided)
         with self._engine.judging():
             histograms = self._summed(counted)
             fits = {color: self._fits_of(color, histograms) for color in self._sets[FIT].colors}
@@ -90,28 +85,18 @@ class _Fitting:
             color: found[0].box for color, found in fits.items()
             if self._base.before(color) is None}))
         sizes = tuple(sorted({*BLOB_SIZES, self._base.min_blob_size}))
-        divided = [each for each in divided if each.path not in self._engine.problems]
-        measured = self._stage(fit_pieces.measure, divided, (candidates, sizes))
+        divided = [each for each in divided if each.name not in self._engine.problems]
+        measured = self._stage(fit_pieces.measure, divided, candidates, sizes)
         with self._engine.judging():
             chosen = report.choose(self._base, fits, sizes, measured, histograms)
         return report.write(chosen, measured, histograms,
                             recorded.not_used(self._engine.problems, self._said))
 
-    def _divided(self) -> List[RecordingPart]:
-        max_pixels = self._options.max_image_pixels
-        divided = self._engine.run(recorded.divide, [
-            Piece(path, (self._options.topic, max_pixels), (os.path.abspath(path),))
-            for path in self._paths], ' recordings')
-        return [RecordingPart(piece.key, Source(part, found.start_ns, tuple(self._sets), tuple(
-            each.of(piece.key) for each in self._sets), max_pixels))
-            for piece, found in divided for part in found.parts]
-
-    def _stage(self, function: Any, parts: Sequence[RecordingPart], arguments: Tuple[Any, ...]
-               ) -> Results:
-        # workers of a cluster are in other folders
+    def _stage(self, function: Any, parts: Sequence[RecordingPart], *arguments: Any) -> Results:
+        common = tuple(self._sets), self._options.max_image_pixels
         return self._engine.run(function, [
-            Piece(each.path, (each.source, *arguments), (os.path.abspath(each.path),),
-                  each.source.part.frames or 1) for each in parts], ' frames')
+            Piece(each.name, (each, *common, *arguments), (each.path,), each.part.frames or 1)
+            for each in parts], ' frames')
 
     def _fits_of(self, color: str, histograms: Histograms) -> List[Fit]:
         """Return the bounds of a color to choose from; raise UserError if there are none."""
@@ -180,7 +165,7 @@ def _parse(arguments: Sequence[str]) -> argparse.Namespace:
     parser.add_argument('--output', metavar='PREFIX', default='fit_colors',
                         help='beginning of the paths of the results: .yaml, .md, .png, .csv '
                         '(default: %(default)s)')
-    batch_options.add_to(parser)
+    add_options(parser)
     options = parser.parse_args(arguments)
     for name in ('samples', 'check', 'colors', 'output'):
         setattr(options, name, os.path.expanduser(getattr(options, name)))

@@ -5,32 +5,19 @@ from typing import Any, List, Mapping, NamedTuple, Optional, Sequence, Tuple
 import numpy as np
 
 from img_recog.batch.fit_settings import settings_of
+from img_recog.batch.recorded import RecordingPart
 from img_recog.recognition.areas import ColorExtractor, to_hsv
 from img_recog.recognition.fitting.frame_labels import FrameLabels, Labeler
 from img_recog.recognition.fitting.histograms import Counter, Histograms
 from img_recog.recognition.fitting.limits import blobs
-from img_recog.recognition.fitting.samples import RecordingSamples, SampleError, Samples
+from img_recog.recognition.fitting.samples import SampleError, Samples
 from img_recog.recordings import parts
-from img_recog.recordings.frames import SECOND_NS, Part, Remarks
+from img_recog.recordings.frames import SECOND_NS, Frame, Remarks
 
 # Which samples say something of a frame: those to fit by, or those to check the result.
 FIT, CHECK = 0, 1
 _UNKNOWN = -1
 _UNLABELED = np.zeros((1, 1), bool), np.zeros((1, 1), bool)
-
-
-class Source(NamedTuple):
-    """A part of a recording with its samples.
-
-    samples: to fit by and, if there are some, to check; of_recording: those of this recording.
-    start_ns: the stamp of its first frame.
-    """
-
-    part: Part
-    start_ns: int
-    samples: Tuple[Samples, ...]
-    of_recording: Tuple[RecordingSamples, ...]
-    max_pixels: int
 
 
 class Counted(NamedTuple):
@@ -51,7 +38,7 @@ class MeasuredPart(NamedTuple):
 
     frames: int64, their numbers; times_s: float, from the first frame.
     chosen: int8, FIT or CHECK, -1 without samples; in_view: int8 of shape (frames, colors), 1 or
-    0, -1 if unknown; has_regions: bool.
+    0, -1 if unknown.
     pixels: int32 of shape (frames, candidates, colors, sizes, 3): a Score of the labeled ones;
     areas: int32 of shape (frames, candidates, colors, sizes).
     """
@@ -60,19 +47,22 @@ class MeasuredPart(NamedTuple):
     times_s: np.ndarray
     chosen: np.ndarray
     in_view: np.ndarray
-    has_regions: np.ndarray
     pixels: np.ndarray
     areas: np.ndarray
 
 
-def count(paths: Sequence[str], source: Source) -> Counted:
-    """Count the labeled pixels of a part; paths: of its recording."""
-    labelers = _labelers(source)
+def count(paths: Sequence[str], recorded: RecordingPart, sets: Sequence[Samples], max_pixels: int
+          ) -> Counted:
+    """Count the labeled pixels of a part.
+
+    paths: of its recording. sets: the samples to fit by and, if there are some, to check.
+    """
+    labelers = [Labeler(samples, recorded.path) for samples in sets]
     counter = Counter()
     try:
-        reader = parts.read(paths[0], source.part, source.max_pixels)
+        reader = parts.read(paths[0], recorded.part, max_pixels)
         for frame in reader.read():
-            chosen, labels = _labels(labelers, source, frame)
+            chosen, labels = _labels(sets, labelers, recorded, frame)
             if labels is not None and chosen == FIT:
                 counter.add_frame(labels.parts(to_hsv(frame.image, frame.encoding)))
     except SampleError as error:
@@ -81,55 +71,51 @@ def count(paths: Sequence[str], source: Source) -> Counted:
                    reader.remarks)
 
 
-def measure(paths: Sequence[str], source: Source, candidates: Sequence[Mapping[str, Any]],
-            sizes: Sequence[int]) -> MeasuredPart:
+def measure(paths: Sequence[str], recorded: RecordingPart, sets: Sequence[Samples], max_pixels: int,
+            candidates: Sequence[Mapping[str, Any]], sizes: Sequence[int]) -> MeasuredPart:
     """Measure the frames of a part by each of the candidates, for each least size of blobs.
 
-    candidates: parameters of the same colors, with a min_blob_size of 0.
+    paths, sets: as for `count`. candidates: parameters of the same colors, with a min_blob_size of
+    0.
     """
-    labelers, colors = _labelers(source), len(source.samples[FIT].colors)
+    labelers = [Labeler(samples, recorded.path) for samples in sets]
     extractors = [ColorExtractor(settings_of(values)) for values in candidates]
+    shape = len(extractors), len(sets[FIT].colors), len(sizes)
     rows = []
-    for frame in parts.read(paths[0], source.part, source.max_pixels).read():
-        chosen, labels = _labels(labelers, source, frame)
-        pixels = np.zeros((len(extractors), colors, len(sizes), 3), np.int32)
-        areas = np.zeros((len(extractors), colors, len(sizes)), np.int32)
+    for frame in parts.read(paths[0], recorded.part, max_pixels).read():
+        chosen, labels = _labels(sets, labelers, recorded, frame)
+        pixels, areas = np.zeros((*shape, 3), np.int32), np.zeros(shape, np.int32)
         for index, extractor in enumerate(extractors):
             extractor.measure(frame.image, frame.encoding)
-            for number in range(colors):
+            for number in range(shape[1]):
                 is_color, is_not = _UNLABELED if labels is None else labels.truth(number)
                 areas[index, number], pixels[index, number] = blobs(
                     extractor.mask(number), sizes, is_color, is_not)
-        in_view = [_UNKNOWN] * colors if labels is None else [
+        in_view = [_UNKNOWN] * shape[1] if labels is None else [
             _UNKNOWN if each is None else int(each) for each in labels.is_in_view]
-        rows.append((frame.number, (frame.stamp_ns - source.start_ns) / SECOND_NS, chosen, in_view,
-                     labels is not None and labels.has_regions, pixels, areas))
-    shapes = (), (), (), (colors,), (), (
-        len(extractors), colors, len(sizes), 3), (len(extractors), colors, len(sizes))
-    kinds = np.int64, float, np.int8, np.int8, bool, np.int32, np.int32
-    columns = list(zip(*rows)) if rows else [()] * len(shapes)
-    return MeasuredPart(*(np.array(column, kind).reshape((len(rows), *shape))
-                          for column, kind, shape in zip(columns, kinds, shapes)))
+        rows.append((frame.number, (frame.stamp_ns - recorded.start_ns) / SECOND_NS, chosen,
+                     in_view, pixels, areas))
+    columns = list(zip(*rows)) if rows else [()] * len(MeasuredPart._fields)
+    shapes = (), (), (), shape[1:2], (*shape, 3), shape
+    kinds = np.int64, float, np.int8, np.int8, np.int32, np.int32
+    return MeasuredPart(*(np.array(column, kind).reshape((len(rows), *each))
+                      for column, kind, each in zip(columns, kinds, shapes)))
 
 
-def _labelers(source: Source) -> List[Labeler]:
-    return [Labeler(samples, own) for samples, own in zip(source.samples, source.of_recording)]
-
-
-def _labels(labelers: Sequence[Labeler], source: Source, frame) -> Tuple[int,
-                                                                         Optional[FrameLabels]]:
+def _labels(sets: Sequence[Samples], labelers: Sequence[Labeler], recorded: RecordingPart,
+            frame: Frame) -> Tuple[int, Optional[FrameLabels]]:
     """Return which samples say something of a frame, and what; -1 and None for nothing.
 
     Raises SampleError if both do: then the check would prove nothing.
     """
     found = []
+    height, width = frame.image.shape[:2]
     for chosen, labeler in enumerate(labelers):
-        labels = labeler.of(frame.number, (frame.stamp_ns - source.start_ns) / SECOND_NS,
-                            frame.image.shape[:2])
+        labels = labeler.of(frame.number, (frame.stamp_ns - recorded.start_ns) / SECOND_NS,
+                            (height, width))
         if not labels.is_empty:
             found.append((chosen, labels))
     if len(found) > 1:
         raise SampleError('frame {} is in the samples of both {} and {}'.format(
-            frame.number, *(samples.path for samples in source.samples)),
-            'remove it from one of them')
+            frame.number, *(samples.path for samples in sets)), 'remove it from one of them')
     return found[0] if found else (_UNKNOWN, None)

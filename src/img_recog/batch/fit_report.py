@@ -101,9 +101,10 @@ class Report:
             parameters.write(as_yaml(chosen.values, self._comment(results_of)).encode())
             worst, pieces = self._write_table(table, measured, chosen)
             pictures = self._write_worst(worst, pieces, settings)
-            results.write_picture(histogram, picture.draw([
-                picture.profile(color, of_color(histograms, color.name))
-                for color in settings.colors if color.name in chosen.fits]))
+            profiles = [picture.profile(color, of_color(histograms, color.name))
+                        for color in settings.colors if color.name in chosen.fits]
+            with results.picture(histogram, picture.size_in(profiles)) as figure:
+                picture.draw(figure, profiles)
             report.write(self._text(
                 chosen, settings, len({piece.key for piece in pieces}), pictures, unused).encode())
         return '\n'.join([*('{}: {}; {}'.format(
@@ -163,9 +164,9 @@ class Report:
         pictures = []
         for number, (color, frame) in enumerate(worst.frames(), 1):
             piece = pieces[frame.source]
-            source = piece.arguments[0]
+            recorded, _, max_pixels, *_ = piece.arguments
             image = next(each for index, each in enumerate(reader.read(
-                piece.key, source.part, source.max_pixels).read()) if index == frame.row)
+                piece.key, recorded.part, max_pixels).read()) if index == frame.row)
             extractor = ColorExtractor(settings)
             areas_px = extractor.measure(image.image, image.encoding)
             drawn = overlay.draw(extractor, settings.colors, areas_px, [])

@@ -17,7 +17,7 @@ from img_recog.settings import (SettingError, Settings, above, at_least, between
                                 not_empty, setting, setting_fields)
 from img_recog.simulation.simulation_settings import CameraSettings, DriveSettings, SpawnSettings
 
-_MAX_BYTES = 1 << 20
+_MAX_BYTES, _MAX_RUNS = 1 << 20, 10 ** 6
 _PARAMETERS, _CELLS, _SUCCESS, _FROM, _TO = 'parameters', 'cells', 'success', 'from', 'to'
 _PATHS = 'world', 'urdf', 'colors'
 _EMPTY_WORLD = 'empty'
@@ -140,7 +140,11 @@ def read(path: str) -> Sweep:
     except SettingError as error:
         raise UserError('{}: {}'.format(path, error.problem))
     fixed, choices = _parameters(path, content[_PARAMETERS])
-    return Sweep(settings, wanted, fixed, choices, _cells(path, content.get(_CELLS), choices))
+    sweep = Sweep(settings, wanted, fixed, choices, _cells(path, content.get(_CELLS), choices))
+    if sweep.size > _MAX_RUNS:
+        raise UserError('{}: {} runs, allowed are {}'.format(path, sweep.size, _MAX_RUNS),
+                        'set runs to less, or give fewer values')
+    return sweep
 
 
 def _parameters(path: str, content: Mapping[Any, Any]) -> Tuple[Values, Tuple[Choice, ...]]:

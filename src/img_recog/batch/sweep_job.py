@@ -3,40 +3,34 @@
 Each is a loop of replay.py --camera robot, in simulated time and without a master.
 """
 import argparse
-import logging
 import os
 import re
 import shlex
-import time
 from typing import List, Mapping, Sequence, Tuple
 
 from img_recog import files
-from img_recog.batch import inputs, options, sweep_file, sweep_report, sweep_run
-from img_recog.batch.engine import Engine
+from img_recog.batch import inputs, sweep_file, sweep_report, sweep_run
+from img_recog.batch.engine import Engine, add_options
 from img_recog.batch.sweep_file import Run, Sweep
 from img_recog.batch.sweep_report import Ended
 from img_recog.batch.sweep_run import Result
-from img_recog.batch.work import Done, Piece, run_piece
+from img_recog.batch.work import Piece
 from img_recog.command_line import programs
 from img_recog.command_line import results
 from img_recog.command_line.option_types import allowed
 from img_recog.errors import UserError, counted, suggestion
 from img_recog.processes.signals import Interrupts
 
-_LONG_S = 24 * 3600.0
 _FILE_ROLES = 'world', 'urdf', 'colors'
-_log = logging.getLogger('sweep.py')
 
 
 def main() -> int:
     """Run the program; return its exit code, 1 if a run has no result."""
-    _log.setLevel(logging.INFO)
     return programs.run('sweep.py', _main, 'cannot write')
 
 
 def _main(words: Sequence[str], interrupts: Interrupts) -> str:
     given = _parser().parse_args(words)
-    where = options.of(given)
     path = os.path.expanduser(given.sweep)
     sweep = sweep_file.read(path)
     if given.only:
@@ -44,13 +38,10 @@ def _main(words: Sequence[str], interrupts: Interrupts) -> str:
     ends = ['.worst_{}.mp4'.format(number + 1) for number in range(given.films)]
     paths = files.output_paths(path, os.path.expanduser(given.output),
                                (*results.report_extensions(), *ends), 'sweep')
-    known = [] if where.resume else [_first(sweep, where, given.yes)]
     runs = list(sweep.runs())
-    pieces = [done.piece for done in known] + [
-        _piece(sweep, run) for run in runs[len(known):]]
-    with Engine(where, interrupts, re.sub(r'\.csv$', '', paths[0])) as engine:
+    with Engine(given, interrupts, paths[0][:-len('.csv')]) as engine:
         found = {piece.key: result for piece, result in engine.run(
-            sweep_run.run, pieces, known=known)}
+            sweep_run.run, [_piece(sweep, run) for run in runs])}
         ended = [Ended(run, found.get(run.key), engine.problems.get(run.key, ''))
                  for run in runs]
         worst = sweep_report.worst(ended, given.films)
@@ -91,36 +82,6 @@ def _piece(sweep: Sweep, run: Run) -> Piece:
                  depends=inputs.of_scene(*sweep_run.scene_of(values)))
 
 
-def _first(sweep: Sweep, where: options.Options, is_confirmed: bool) -> Done:
-    """Do the first run, and say how long all will take; raise UserError if that is long."""
-    piece = _piece(sweep, next(sweep.runs()))
-    begin_s = time.perf_counter()
-    done = Done(piece, *run_piece(sweep_run.run, piece.files, (), piece.arguments))
-    run_s = time.perf_counter() - begin_s
-    all_s = run_s * sweep.size
-    text = '{} of about {:.2g} s (the first one took that long): {} on one core'.format(
-        counted(sweep.size, 'run'), run_s, _duration(all_s))
-    if not where.scheduler:
-        all_s /= where.jobs
-        text += ', {} on {} here'.format(_duration(all_s), where.jobs)
-    if all_s > _LONG_S and not is_confirmed:
-        raise UserError(text, 'add --yes to start it, or have fewer runs')
-    _log.info('%s', text)
-    return done
-
-
-def _duration(seconds: float) -> str:
-    """Return a duration in a unit that fits.
-
-    >>> [_duration(seconds) for seconds in (50, 5400, 400000, 4e7)]
-    ['50 s', '90 min', '111 h', '463 d']
-    """
-    for unit, size in (('d', 86400), ('h', 3600), ('min', 60)):
-        if seconds >= 5 * size or unit == 'min' and seconds >= 100:
-            return '{:.0f} {}'.format(seconds / size, unit)
-    return '{:.0f} s'.format(seconds)
-
-
 def _write(paths: Sequence[str], path: str, sweep: Sweep, ended: Sequence[Ended],
            worst: Sequence[Tuple[Run, Result, str]], films: Mapping[str, bytes]) -> List[str]:
     """Write all files; return the paths. worst: with problems of their films; films: by key."""
@@ -154,7 +115,5 @@ def _parser() -> argparse.ArgumentParser:
                         type=allowed(int, lambda films: 0 <= films <= 100, 'from 0 to 100'))
     parser.add_argument('--only', default='', metavar='KEY',
                         help='run this run of the table alone, and write its film')
-    parser.add_argument('--yes', action='store_true',
-                        help='start it although it takes longer than a day')
-    options.add_to(parser)
+    add_options(parser)
     return parser

@@ -1,20 +1,19 @@
 """The report of a sweep: its table, its success rates in Markdown, and its picture."""
+import math
 import shlex
-from typing import IO, List, NamedTuple, Optional, Sequence, Tuple
+from typing import IO, Any, List, NamedTuple, Optional, Sequence, Tuple
 
 import numpy as np
-from matplotlib.axes import Axes
-from matplotlib.figure import Figure
 
-from img_recog.batch.statistics import wilson
 from img_recog.batch.sweep_file import Range, Run, Sweep, Values
 from img_recog.batch.sweep_run import COLLISION, PATH, REACHED, TIME, Result
 from img_recog.command_line import results
 from img_recog.errors import counted
 
-_DPI, _HEIGHT_IN, _WIDTH_IN = 100, 5.0, 5.0     # of each chart
+_SIZE_IN = 5.0          # of each chart
 _BINS, _MAX_RANGES = 6, 3
 _MAX_PROBLEMS = 20
+_Z = 1.959964           # of 95 %, two-sided
 _NOT_RUN = 'not run'
 _REASONS = REACHED, COLLISION, PATH, TIME, _NOT_RUN
 
@@ -120,8 +119,7 @@ def draw(file: IO[bytes], title: str, sweep: Sweep, ended: Sequence[Ended]) -> N
                  sweep.fixed, *(group for choice in sweep.choices
                                 for group in choice.groups.values())))][:_MAX_RANGES]
     charts = bool(sweep.cells) + len(drawn)
-    with results.style(9.0):
-        figure = Figure(figsize=(_WIDTH_IN * max(1, charts), _HEIGHT_IN), dpi=_DPI)
+    with results.picture(file, (_SIZE_IN * max(1, charts), _SIZE_IN)) as figure:
         figure.suptitle(title)
         axes = [figure.add_subplot(1, max(1, charts), number + 1) for number in range(charts)]
         if sweep.cells:
@@ -129,10 +127,9 @@ def draw(file: IO[bytes], title: str, sweep: Sweep, ended: Sequence[Ended]) -> N
         for chart, name in zip(axes[bool(sweep.cells):], drawn):
             _draw_rates(chart, name, ended)
         figure.tight_layout()
-        results.write_picture(file, figure)
 
 
-def _draw_cells(axes: Axes, sweep: Sweep, ended: Sequence[Ended]) -> None:
+def _draw_cells(axes: Any, sweep: Sweep, ended: Sequence[Ended]) -> None:
     rows, columns = _cells(sweep)
     rates = np.array([[_share(_in(sweep, ended, row, column)) for column in columns]
                       for row in rows])
@@ -148,7 +145,7 @@ def _draw_cells(axes: Axes, sweep: Sweep, ended: Sequence[Ended]) -> None:
     axes.set_title('Success rate: {}'.format(' / '.join(sweep.cells)))
 
 
-def _draw_rates(axes: Axes, name: str, ended: Sequence[Ended]) -> None:
+def _draw_rates(axes: Any, name: str, ended: Sequence[Ended]) -> None:
     pairs = [(each.run.parameters[name], each) for each in ended if name in each.run.parameters]
     values = np.array([value for value, _ in pairs], float)
     edges = np.linspace(values.min(), values.max(), _BINS + 1)
@@ -167,3 +164,19 @@ def _draw_rates(axes: Axes, name: str, ended: Sequence[Ended]) -> None:
 
 def _share(ended: Sequence[Ended]) -> float:
     return sum(each.is_success for each in ended) / max(1, len(ended))
+
+
+def wilson(successes: int, runs: int) -> Tuple[float, float]:
+    """Return the 95 % confidence interval of a rate of success (Wilson 1927).
+
+    >>> [round(end, 3) for end in wilson(9, 10)]
+    [0.596, 0.982]
+    >>> wilson(0, 0)
+    (0.0, 1.0)
+    """
+    if not runs:
+        return 0.0, 1.0
+    rate, square = successes / runs, _Z ** 2 / runs
+    middle = rate + square / 2
+    margin = _Z * math.sqrt(rate * (1 - rate) / runs + square / (4 * runs))
+    return (max(0.0, (middle - margin) / (1 + square)), min(1.0, (middle + margin) / (1 + square)))

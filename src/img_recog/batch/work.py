@@ -8,11 +8,10 @@ from typing import Any, Callable, Iterator, List, NamedTuple, Sequence, Tuple
 
 import cv2
 
-from img_recog.batch import plain
 from img_recog.errors import UserError, named_in_crashes, one_line
 
 # Called with the paths of the files of a piece and its arguments. A function of a module: workers
-# import it. The type of what it returns names those of all parts, see `plain`.
+# import it.
 Function = Callable[..., Any]
 # llvmpipe and numpy: there are as many processes as cores; with 0, llvmpipe draws in the thread
 # that asks for it
@@ -40,31 +39,31 @@ class Piece(NamedTuple):
 class Done(NamedTuple):
     """A piece that has run.
 
-    content: its result by `plain.dump`, if there is no problem; is_lost: whether its process was,
-    so that it may succeed another time.
+    result: None if there is a problem; is_lost: whether its process was, so that it may succeed
+    another time.
     """
 
     piece: Piece
-    content: bytes
+    result: Any
     problem: str
     is_lost: bool = False
 
 
 def run_piece(function: Function, paths: Sequence[str], contents: Sequence[bytes],
-              arguments: Sequence[Any]) -> Tuple[bytes, str]:
-    """Return the result of a piece by `plain.dump`, and in one line why there is none.
+              arguments: Sequence[Any]) -> Tuple[Any, str]:
+    """Return the result of a piece, and in one line why there is none.
 
     contents: of the files, if they are not at `paths` on this machine.
     """
     _prepare()
     try:
         with _files(paths, contents) as found:
-            return plain.dump(named_in_crashes(
-                ' '.join([function.__name__, *paths]), function, found, *arguments)), ''
+            return named_in_crashes(
+                ' '.join([function.__name__, *paths]), function, found, *arguments), ''
     except UserError as error:
-        return b'', one_line(error)
+        return None, one_line(error)
     except Exception as error:      # of PyBullet or FFmpeg: the other pieces count
-        return b'', '{}: {}'.format(type(error).__name__, one_line(error))
+        return None, '{}: {}'.format(type(error).__name__, one_line(error))
 
 
 @functools.lru_cache(maxsize=None)

@@ -1,14 +1,15 @@
 """The folder with the results of the pieces of a run, until all are there."""
 import contextlib
 import functools
+import gzip
 import hashlib
 import io
 import os
 import pickle
 import stat
-from typing import Any, get_type_hints
+from typing import Any
 
-from img_recog.batch import code_version, plain
+from img_recog.batch import code_version
 from img_recog.batch.work import Function, Piece
 from img_recog.errors import UserError, one_line
 from img_recog.files import atomic_write
@@ -28,10 +29,9 @@ class WorkFolder:
     """
 
     def __init__(self, path: str, function: Function):
-        """Raise UserError if others could have put something into the folder."""
+        """Raise UserError if others could have put something there: a pickle can run code."""
         self.path = path
         self._common = (code_version.versions(), function.__module__, function.__qualname__)
-        self._kind = get_type_hints(function)['return']
         _refuse_foreign(path)
 
     def name_of(self, piece: Piece) -> str:
@@ -43,26 +43,22 @@ class WorkFolder:
         """Return whether there is a result; one that is damaged is none."""
         try:
             self.read(name)
-        except UserError:
-            raise
-        except Exception:       # it is cut or empty; zipfile and numpy raise errors of many types
+        except Exception:       # it is missing, cut or empty: errors of many types
             return False
         return True
 
-    def write(self, name: str, content: bytes) -> None:
-        """Write the result of a piece, by `plain.dump`; raise UserError if it is not possible."""
+    def write(self, name: str, result: Any) -> None:
+        """Write the result of a piece; raise UserError if it is not possible."""
         path = self._path(name)
         folders = self.path, os.path.dirname(path)
         try:
             for folder in folders:
                 os.makedirs(folder, 0o700, exist_ok=True)
-                _refuse_foreign(folder)
         except OSError as error:
             raise UserError('cannot write {}: {}'.format(path, one_line(error).lower()), _ADVICE)
         try:
             with atomic_write([path], _ADVICE) as (file,):
-                os.fchmod(file.fileno(), 0o600)
-                file.write(content)
+                file.write(gzip.compress(pickle.dumps(result), 1))
         except UserError:
             for folder in reversed(folders):
                 with contextlib.suppress(OSError):      # it has other results
@@ -71,11 +67,8 @@ class WorkFolder:
 
     def read(self, name: str) -> Any:
         """Return the result of a piece."""
-        path = self._path(name)
-        for each in (os.path.dirname(path), path):
-            _refuse_foreign(each)
-        with open(path, 'rb') as file:
-            return plain.load(file.read(), self._kind)
+        with gzip.open(self._path(name)) as file:
+            return pickle.loads(file.read())    # all of it: at the end is a checksum
 
     def count(self) -> int:
         """Return how many results there are."""

@@ -3,15 +3,15 @@ import contextlib
 import csv
 import importlib.util
 import io
-from typing import (IO, TYPE_CHECKING, Any, Callable, ContextManager, Iterable, Iterator, List,
-                    Mapping, NamedTuple, Sequence, Tuple)
+from typing import (IO, TYPE_CHECKING, Any, Callable, Iterable, Iterator, List, Mapping,
+                    NamedTuple, Sequence, Tuple)
 
 from img_recog.errors import shortened
 
 if TYPE_CHECKING:       # it takes long to load, and few programs draw
     from matplotlib.figure import Figure
 
-_ARROW = 'pyarrow'
+_ARROW, _DPI = 'pyarrow', 100
 _MAX_WIDTH = 60     # of a column, in characters; what is longer makes only its line longer
 
 
@@ -96,12 +96,17 @@ def _write_table(files: Sequence[IO[bytes]], table: Table) -> None:
             column: [row.get(column) for row in rows] for column in columns}), files[1])
 
 
-def style(font_size: float) -> ContextManager[Any]:
-    """Return a `with` in which figures do not depend on the user's matplotlibrc."""
+@contextlib.contextmanager
+def picture(file: IO[bytes], size_in: Tuple[float, float], font_size: float = 9.0
+            ) -> Iterator['Figure']:
+    """Yield an empty figure, and write it as PNG at the end of the `with`.
+
+    It does not depend on the user's matplotlibrc, and has the same bytes by each version of
+    matplotlib that draws the same.
+    """
     import matplotlib
-    return matplotlib.rc_context({**matplotlib.rcParamsDefault, 'font.size': font_size})
-
-
-def write_picture(file: IO[bytes], figure: 'Figure') -> None:
-    """Write a figure as PNG: the same bytes by each version of matplotlib that draws the same."""
-    figure.savefig(file, format='png', metadata={'Software': None})
+    from matplotlib.figure import Figure
+    with matplotlib.rc_context({**matplotlib.rcParamsDefault, 'font.size': font_size}):
+        figure = Figure(figsize=size_in, dpi=_DPI)
+        yield figure
+        figure.savefig(file, format='png', metadata={'Software': None})

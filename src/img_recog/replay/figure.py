@@ -11,7 +11,7 @@ from matplotlib.ticker import FuncFormatter
 from img_recog.command_line import results
 from img_recog.replay.plot_data import SPEED, TIME, TURN, YAW, PlotData, X, Y
 
-_SIZE_IN, _DPI, _FONT_SIZE = (14.0, 9.0), 100, 10.0
+_SIZE_IN, _FONT_SIZE = (14.0, 9.0), 10.0
 _DARK, _FAINT, _LINEAR, _ANGULAR = '#222222', '#999999', '#2ca02c', '#9467bd'
 _START, _LAST, _WALL = '#2ca02c', '#d62728', '#d0d0d0'
 _MIN_MARGIN_M = 0.02            # around the path in the close-up
@@ -22,13 +22,12 @@ _LEGEND_COLUMNS = 4             # legends with more entries do not fit beside th
 
 def draw(file: IO[bytes], title: str, data: PlotData) -> None:
     """Draw the data and write the figure as PNG."""
-    with results.style(_FONT_SIZE):
-        results.write_picture(file, figure_of(title, data))
+    with results.picture(file, _SIZE_IN, _FONT_SIZE) as figure:
+        draw_on(figure, title, data)
 
 
-def figure_of(title: str, data: PlotData) -> Figure:
-    """Return the figure; without colors, the other charts have the room of the areas."""
-    figure = Figure(figsize=_SIZE_IN, dpi=_DPI)
+def draw_on(figure: Figure, title: str, data: PlotData) -> None:
+    """Draw the charts; without colors, the others have the room of the areas."""
     figure.suptitle(title, x=0.06, y=0.98, ha='left')
     charts = [*([_draw_areas] if data.colors else []), _draw_commands, _draw_speed, _draw_position]
     # fixed positions: computing a layout takes as long as drawing
@@ -42,7 +41,6 @@ def figure_of(title: str, data: PlotData) -> Figure:
     axes.set_xlabel('time (s)')
     _draw_map(figure.add_axes((0.67, 0.43, 0.31, 0.49)), data)
     _draw_close_up(figure.add_axes((0.67, 0.07, 0.31, 0.27)), data)
-    return figure
 
 
 def _draw_areas(axes: Axes, data: PlotData) -> None:

@@ -2,6 +2,7 @@
 import io
 from types import SimpleNamespace
 
+import pytest
 from matplotlib.axes import Axes
 
 from img_recog.batch import sweep_report
@@ -39,3 +40,11 @@ def test_a_report_has_no_table_without_rows():
     assert [line for line in text.splitlines() if line] == [
         '# a.yaml', '1 run, of which 0 have succeeded: 0 % (0 to 79).',
         'Without a result: 1 run', '- run#1: there is no world']
+
+
+@pytest.mark.parametrize('successes, runs, interval', [
+    # from R: prop.test(correct = FALSE)
+    (0, 10, (0.0, 0.2775)), (5, 10, (0.2366, 0.7634)), (50, 50, (0.9287, 1.0)),
+    (81, 263, (0.2553, 0.3662))])
+def test_wilson(successes, runs, interval):
+    assert sweep_report.wilson(successes, runs) == pytest.approx(interval, abs=1e-4)

@@ -5,6 +5,7 @@ import os
 import cv2
 import numpy as np
 import pytest
+from matplotlib.figure import Figure
 
 from img_recog.recognition.recognition_settings import with_colors
 from img_recog.replay import figure
@@ -38,7 +39,8 @@ def drawn(colors):
         colors, all_rows[:, :6], np.delete(all_rows, range(1, 6), 1)[:, :1 + len(colors)],
         np.empty((0, 3)), np.empty((0, 3)), 0.24, [])
     figure.draw(file, 'a test', data)
-    picture = figure.figure_of('a test', data)
+    picture = Figure()
+    figure.draw_on(picture, 'a test', data)
     picture.canvas.draw()
     close_up, = (axes for axes in picture.axes if axes.get_title('left') == 'Close up')
     assert close_up.yaxis.get_offset_text().get_text() == ''        # numbers are whole ones

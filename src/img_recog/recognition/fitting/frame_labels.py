@@ -7,8 +7,8 @@ import numpy as np
 from img_recog.errors import UserError, one_line
 from img_recog.formats import still_images
 from img_recog.recognition.fitting.histograms import COLOR, IN_VIEW, NOT, Label
-from img_recog.recognition.fitting.samples import (IGNORED, NO_COLOR, RecordingSamples, Region,
-                                                   SampleError, Samples)
+from img_recog.recognition.fitting.samples import (IGNORED, NO_COLOR, TimeRange, Region, SampleError,
+                                                   Samples, is_named)
 
 # codes of pixels; that of a color is its number, from 1
 _NONE, _IGNORED, _UNLABELED = 0, 254, 255
@@ -76,17 +76,20 @@ class FrameLabels:
 
 
 class Labeler:
-    """Labels the frames of one recording.
+    """Labels the frames of the recording at a path.
 
     used: the entries of the samples that were needed so far.
     """
 
-    def __init__(self, samples: Samples, recording: RecordingSamples):
-        self._samples, self._recording = samples, recording
+    def __init__(self, samples: Samples, recording: str):
+        self._samples = samples
         self.used: Set[str] = set()
+        own = [sample for name, sample in samples.entries if is_named(recording, name)]
+        self._ranges = [each for each in own if isinstance(each, TimeRange)]
         self._regions: Dict[int, List[Region]] = {}
-        for region in recording.regions:
-            self._regions.setdefault(region.frame, []).append(region)
+        for region in own:
+            if isinstance(region, Region):
+                self._regions.setdefault(region.frame, []).append(region)
 
     def of(self, frame: int, time_s: float, shape: Tuple[int, int]) -> FrameLabels:
         """Return the labels of a frame.
@@ -101,7 +104,7 @@ class Labeler:
                            in_view)
 
     def _in_view(self, color: str, time_s: float, regions: List[Region]) -> Optional[bool]:
-        said = {each.is_in_view: each for each in self._recording.ranges
+        said = {each.is_in_view: each for each in self._ranges
                 if each.color == color and each.start_s <= time_s < each.end_s}
         self.used.update(each.entry for each in said.values())
         own = [region for region in regions if region.color == color]

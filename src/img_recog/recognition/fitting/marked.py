@@ -73,9 +73,8 @@ class Marked(NamedTuple):
 
     def labels(self, picture: str) -> FrameLabels:
         """Return what the samples say of a picture; raise SampleError for a contradiction."""
-        samples = self.as_samples()
         height, width = self.image(picture).shape[:2]
-        return Labeler(samples, samples.of(picture)).of(0, 0.0, (height, width))
+        return Labeler(self.as_samples(), picture).of(0, 0.0, (height, width))
 
 
 def with_picture(marked: Marked, image: np.ndarray) -> Tuple[Marked, str]:

@@ -4,14 +4,13 @@ from typing import List, NamedTuple, Tuple
 import cv2
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
 from img_recog.recognition.fitting.histograms import HUES, SHAPE, UNIT, Sampled
 from img_recog.recognition.fitting.volume import Box, edges_of
 from img_recog.recognition.recognition_settings import Color
 
-_WIDTH_IN, _ROW_IN, _DPI = 12.0, 2.6, 100
+_WIDTH_IN, _ROW_IN = 12.0, 2.6
 _NAMES = 'hue', 'saturation', 'value'
 _STRIP = -0.06      # share of the height, of the strip of hues below the axis
 _GREY, _SMALL = '0.78', 8       # the latter in points, of text
@@ -50,10 +49,13 @@ def profile(color: Color, sampled: Sampled) -> Profile:
     return Profile(color, counts)
 
 
-def draw(profiles: List[Profile]) -> Figure:
-    """Return the picture: a row for each color, with hue, saturation and value."""
-    figure = Figure(figsize=(_WIDTH_IN, _ROW_IN * len(profiles)), dpi=_DPI, facecolor='white')
-    FigureCanvasAgg(figure)
+def size_in(profiles: List[Profile]) -> Tuple[float, float]:
+    """Return width and height of the picture in inches."""
+    return _WIDTH_IN, _ROW_IN * len(profiles)
+
+
+def draw(figure: Figure, profiles: List[Profile]) -> None:
+    """Draw a row for each color, with hue, saturation and value."""
     grid = figure.add_gridspec(len(profiles), 3, left=0.06, right=0.98, hspace=0.5, wspace=0.2,
                                top=1 - 0.35 / (_ROW_IN * len(profiles)),
                                bottom=0.5 / (_ROW_IN * len(profiles)))
@@ -80,7 +82,6 @@ def draw(profiles: List[Profile]) -> Figure:
                 'the other two bounds. Grey: pixels that are not of it, weighted. Shaded: within '
                 'bounds.',
                 fontsize=_SMALL, color='0.35')
-    return figure
 
 
 def _fill(axes: Axes, counts: np.ndarray, color) -> None:

@@ -44,13 +44,6 @@ class TimeRange(NamedTuple):
     is_in_view: bool
 
 
-class RecordingSamples(NamedTuple):
-    """The samples of one recording."""
-
-    regions: Tuple[Region, ...] = ()
-    ranges: Tuple[TimeRange, ...] = ()
-
-
 class Samples(NamedTuple):
     """A file of samples.
 
@@ -63,13 +56,6 @@ class Samples(NamedTuple):
     colors: Tuple[str, ...]
     ignores_unlabeled: bool
     entries: Tuple[Tuple[str, Any], ...]
-
-    def of(self, recording: str) -> RecordingSamples:
-        """Return the samples of the recording at this path."""
-        chosen = [sample for name, sample in self.entries if is_named(recording, name)]
-        return RecordingSamples(
-            tuple(each for each in chosen if isinstance(each, Region)),
-            tuple(each for each in chosen if isinstance(each, TimeRange)))
 
     def check_colors(self) -> None:
         """Raise SampleError for a color of which it is not said where it is."""

@@ -21,7 +21,7 @@ def labels(tmp_path):
         path = tmp_path / 's.yaml'
         path.write_text('unlabeled: {}\nsamples:\n{}'.format(unlabeled, text))
         found = sample_file.read(str(path))
-        return Labeler(found, found.of('a.mp4')).of(frame, time_s, SHAPE)
+        return Labeler(found, 'a.mp4').of(frame, time_s, SHAPE)
     return labels
 
 

@@ -37,7 +37,7 @@ def kept():
 @pytest.mark.parametrize('place, center', [(RED_PLACE, (40, 60)), (BLUE_PLACE, (120, 60))])
 def test_a_click_marks_the_object(kept, place, center):
     found = marked.with_click(*kept, *place, 'red').as_samples()
-    labels = Labeler(found, found.of(kept[1])).of(0, 0.0, (HEIGHT, WIDTH))
+    labels = Labeler(found, kept[1]).of(0, 0.0, (HEIGHT, WIDTH))
     inside, ball = labels.truth(0)[0], truth(center)
     assert (inside & ball).sum() > 0.95 * (inside | ball).sum()
 
@@ -124,7 +124,7 @@ def test_the_files_say_the_same(kept, tmp_path, rest_is_none):
     read = sample_file.read(str(tmp_path / 'samples.yaml'))
     assert not (tmp_path / unused).exists()
     assert (cv2.imread(str(tmp_path / kept[1])) == now.image(kept[1])).all()
-    labels = [Labeler(each, each.of(kept[1])).of(0, 0.0, (HEIGHT, WIDTH))
+    labels = [Labeler(each, kept[1]).of(0, 0.0, (HEIGHT, WIDTH))
               for each in (read, now.as_samples())]
     assert read.colors == now.colors == ('red', 'blue')
     for number in (0, 1):

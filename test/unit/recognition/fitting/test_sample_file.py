@@ -28,15 +28,14 @@ samples:
 - {color: blue, not_in_view: [0, 7]}
 ''')
     assert found.colors == ('red', 'blue') and found.ignores_unlabeled
-    red, blue = found.of('/data/a.mp4').regions
+    (of_red, red), (_, blue), (of_none, none), *times = found.entries
+    assert (of_red, of_none) == ('a.mp4', 'b.bag')
     assert (red.entry, red.color, red.frame) == ('entry 1', 'red', 3)
     assert red.outline == ((10, 20), (39, 20), (39, 59), (10, 59))
     assert (blue.frame, blue.outline) == (0, ((0, 0), (4.5, 0), (0, 4)))
-    none, = found.of('b.bag').regions
     assert none.mask == (tmp_path / 'm.png').read_bytes()
-    for path in ('/data/a.mp4', 'b.bag', 'c.png'):
-        assert [each[1:] for each in found.of(path).ranges] == [
-            ('red', 1, 2.5, True), ('blue', 0, 7, False)]
+    assert [(name, each[1:]) for name, each in times] == [
+        ('', ('red', 1, 2.5, True)), ('', ('blue', 0, 7, False))]
     assert not read('samples: [{color: red, in_view: [0, 1]}]').ignores_unlabeled
 
 
