@@ -16,10 +16,9 @@ from img_recog.recognition import parameter_file
 from img_recog.rendering import renderer
 from img_recog.rendering.light import LightSettings
 from img_recog.replay import scenario
-from img_recog.replay.chain import (SECOND_NS, ColorRecognition, FrameMeasurement, FrameResult,
-                                    Recorder)
+from img_recog.replay.chain import (SECOND_NS, Chain, ColorRecognition, FrameMeasurement,
+                                    FrameResult, Recorder)
 from img_recog.replay.film import Film, FilmRecorder
-from img_recog.replay.loop import Loop
 from img_recog.replay.robot_frames import RobotFrames
 from img_recog.settings import from_mapping
 from img_recog.simulation.assembly import Assembly
@@ -180,9 +179,10 @@ def _loop(built: Assembly, run: Run, success: Success, time_limit_s: float,
         if film_file is not None:
             film = stack.enter_context(Film(film_file, settings, footprints(simulator.world)))
             recorders.append(FilmRecorder(film))
-        loop = Loop(simulator, frames, ColorRecognition(settings), bool(values.get('teleop')),
-                    recorders)
-        end_ns = loop.run(judge.until_over(loop.measurements))
+        chain = Chain(simulator, ColorRecognition(settings), bool(values.get('teleop')),
+                      recorders)
+        end_ns = chain.run(judge.until_over(chain.measured(frames))) + frames.period_ns
+        chain.end(end_ns)
         if film is not None:
             film.close(end_ns / SECOND_NS)
     return judge.result

@@ -3,12 +3,16 @@
 Times are integers in nanoseconds from the first frame, so that rounding errors do not accumulate.
 An event takes effect at the physics step nearest to its time.
 """
-from typing import TYPE_CHECKING, Iterable, Iterator, List, NamedTuple, Optional, Sequence, Tuple
+from collections import deque
+from concurrent.futures import ThreadPoolExecutor
+from functools import partial
+from typing import (TYPE_CHECKING, Any, Iterable, Iterator, List, NamedTuple, Optional, Sequence,
+                    Tuple, TypeVar)
 
 from img_recog.recognition.areas import ColorExtractor
 from img_recog.recognition.commands import STOP, Command, Commander
 from img_recog.recognition.recognition_settings import RecognitionSettings
-from img_recog.recordings.frames import SECOND_NS, Frame
+from img_recog.recordings.frames import SECOND_NS, Frame, Frames
 
 if TYPE_CHECKING:       # they import PyBullet, which film.py does not need
     from img_recog.simulation.physics.body import Motion
@@ -19,6 +23,9 @@ RECOGNITION, TELEOP = 'recognition', 'teleop'
 _TELEOP_PERIOD_NS = SECOND_NS // 10     # the idle teleop publishes zeros at 10 Hz
 _POLL_PERIOD_NS = SECOND_NS // 10       # of color_extract, while it waits for a frame
 _NEVER_NS = 1 << 63
+_PREFETCHED_FRAMES = 8
+_END: Any = object()     # after the last item
+Item = TypeVar('Item')
 
 
 class FrameMeasurement(NamedTuple):
@@ -140,6 +147,13 @@ class Chain:
         self._next_teleop_ns = 0 if teleop else _NEVER_NS
         self._next_poll_ns = _POLL_PERIOD_NS
 
+    def measured(self, frames: Frames) -> Iterable[FrameMeasurement]:
+        """Return the frames for `run`; those of a recording are measured ahead of it."""
+        if hasattr(frames, 'follow'):       # what they show depends on the commands before
+            frames.follow(self.simulate_until)
+            return self._recognition.measure(frames)
+        return prefetch(self._recognition.measure(frames), _PREFETCHED_FRAMES)
+
     def run(self, frames: Iterable[FrameMeasurement]) -> int:
         """Run all frames; return the time of the last one in ns, 0 if there are none."""
         time_ns, start_ns = 0, None
@@ -199,3 +213,19 @@ class Chain:
         for reading in readings:
             for recorder in self._recorders:
                 recorder.on_reading(reading)
+
+
+def prefetch(items: Iterable[Item], depth: int) -> Iterator[Item]:
+    """Yield the same items in the same order, of which a thread makes up to `depth` ahead.
+
+    An exception raised by `items` is raised at the same place.
+    """
+    advance = partial(next, iter(items), _END)
+    with ThreadPoolExecutor(1) as pool:
+        pending = deque(pool.submit(advance) for _ in range(depth))
+        while True:
+            item = pending.popleft().result()
+            if item is _END:
+                return
+            pending.append(pool.submit(advance))
+            yield item

@@ -10,7 +10,7 @@ from typing import Any, Callable, Iterator, Set
 import pytest
 
 from img_recog.testing import Simulation, evidence
-from img_recog.testing.tracebacks import of_reasons
+from img_recog.testing.launching import of_reasons
 
 __tracebackhide__ = of_reasons
 _failed: Set[str] = set()       # the tests, while their fixtures end

@@ -14,9 +14,8 @@ from img_recog.errors import UserError, one_line
 from img_recog.ros import timed_xmlrpc
 from img_recog.ros.master.connections import Connections
 from img_recog.testing import session
-from img_recog.testing.launching import Launch, LaunchFile
+from img_recog.testing.launching import Launch, LaunchFile, of_reasons
 from img_recog.testing.topics import Topics
-from img_recog.testing.tracebacks import of_reasons
 
 __tracebackhide__, __unittest = of_reasons, True
 _SIMULATOR, _ROBOTS = '/gazebo', '/robots'

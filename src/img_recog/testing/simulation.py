@@ -15,10 +15,9 @@ from visualization_msgs.msg import MarkerArray
 from img_recog.conversions import image_msgs, plane_msgs
 from img_recog.errors import UserError, one_line
 from img_recog.testing import evidence, launching
-from img_recog.testing.launching import Given, LaunchFile
+from img_recog.testing.launching import Given, LaunchFile, of_reasons
 from img_recog.testing.running import Running
 from img_recog.testing.topics import Picture, Pose, pose_from_msg
-from img_recog.testing.tracebacks import of_reasons
 
 __tracebackhide__, __unittest = of_reasons, True     # as pytest and unittest know them
 _CAMERA, _VIEW = '/usb_cam/image_raw', '/gazebo/view/image_raw'

@@ -12,7 +12,7 @@ import rosbag
 
 from img_recog.camera import calibration
 from img_recog.loading import resources
-from img_recog.replay import figure, job, replay_options
+from img_recog.replay import figure, job
 from img_recog.replay.plot_data import PlotData
 from img_recog.simulation.simulation_settings import SpawnSettings
 from img_recog_helpers.calibrations import KNOWN
@@ -48,16 +48,16 @@ def test_options_and_their_defaults():
         'z_pos': 0.0, 'yaw': 0.0, 'max_image_pixels': 50000000, 'allow_partial_world': False,
         'camera': '', 'seconds': 60.0, 'film': False, 'recognize': '', 'strict': False,
         'calibration': '', 'framerate': 30.0}
-    assert vars(replay_options.parse(['a.bag'])) == defaults
-    assert vars(replay_options.parse(
+    assert vars(job.options_of(['a.bag'])) == defaults
+    assert vars(job.options_of(
         'a.bag --topic t --colors c --output o --no-teleop --world w --urdf u --x-pos 1 --y-pos 2 '
         '--z-pos 3 --yaw 0.5 --max-image-pixels 9 --allow-partial-world --film '
         '--framerate 5'.split())) == {
             **defaults, 'topic': 't', 'colors': 'c', 'output': 'o', 'teleop': False, 'world': 'w',
             'urdf': 'u', 'x_pos': 1.0, 'y_pos': 2.0, 'z_pos': 3.0, 'yaw': 0.5,
             'max_image_pixels': 9, 'framerate': 5.0, 'allow_partial_world': True, 'film': True}
-    given = replay_options.parse(['a', '--x-pos', '1', '--yaw', '2'])
-    assert replay_options.spawn_settings(given) == SpawnSettings(1.0, -0.5, 0.0, 2.0)
+    given = job.options_of(['a', '--x-pos', '1', '--yaw', '2'])
+    assert job.spawn_settings(given) == SpawnSettings(1.0, -0.5, 0.0, 2.0)
 
 
 @pytest.mark.parametrize('arguments, words', [
@@ -72,7 +72,7 @@ def test_options_and_their_defaults():
     (['a', '--yaw'], 'argument --yaw: expected one argument')])
 def test_options_that_are_refused(capsys, arguments, words):
     with pytest.raises(SystemExit) as ended:
-        replay_options.parse(arguments)
+        job.options_of(arguments)
     assert ended.value.code == 2
     error = capsys.readouterr().err
     assert words in error and 'replay.py: error: ' in error
@@ -81,7 +81,7 @@ def test_options_that_are_refused(capsys, arguments, words):
 @pytest.mark.parametrize('name', ['x_pos', 'y_pos', 'z_pos'])
 def test_pose_that_is_not_allowed_names_its_option(name):
     option = '--' + name.replace('_', '-')
-    assert refusal(replay_options.spawn_settings, replay_options.parse(['a', option, '1001'])) == (
+    assert refusal(job.spawn_settings, job.options_of(['a', option, '1001'])) == (
         option + ': got 1001.0, allowed is a finite number from -1000 to 1000')
 
 
@@ -91,10 +91,10 @@ def test_world_file_in_the_current_folder(tmp_path, monkeypatch):
     (tmp_path / 'home').mkdir()
     for name in ('my.sdf', 'turtlebot3_world', 'home/its.sdf'):
         (tmp_path / name).write_text('')
-    assert replay_options.world_name('my.sdf') == str(tmp_path / 'my.sdf')
-    assert replay_options.world_name('~/its.sdf') == str(tmp_path / 'home' / 'its.sdf')
+    assert job.world_name('my.sdf') == str(tmp_path / 'my.sdf')
+    assert job.world_name('~/its.sdf') == str(tmp_path / 'home' / 'its.sdf')
     for name in ('turtlebot3_world', 'empty', 'no.sdf', 'home'):
-        assert replay_options.world_name(name) == name
+        assert job.world_name(name) == name
 
 
 def test_a_video_gives_three_files_and_a_summary(run, make_video, tmp_path):
