@@ -16,8 +16,8 @@ from distributed import (Client, Future, Nanny, Scheduler, SpecCluster, Worker, 
 from distributed.scheduler import KilledWorker
 from distributed.security import Security
 
-from img_recog.batch import code_version
 from img_recog.batch.work import Done, Function, Piece, run_piece
+from img_recog.batch.work_folder import versions
 from img_recog.errors import UserError, one_line
 from img_recog.processes.signals import Interrupts, uninterrupted
 
@@ -115,8 +115,8 @@ def _cluster(address: str) -> Iterator[Client]:
             address, one_line(error)), 'start one: dask-scheduler')
     with contextlib.closing(client):
         _check(client, address)
-        versions: Any = client.get_versions(packages=['bokeh'])
-        if versions['scheduler']['packages'].get('bokeh'):
+        found: Any = client.get_versions(packages=['bokeh'])
+        if found['scheduler']['packages'].get('bokeh'):
             _log.warning('progress: %s', client.dashboard_link)
         yield client
 
@@ -130,13 +130,13 @@ def _check(client: Client, address: str) -> None:
                             _START.format(shlex.quote(address)))
         time.sleep(0.1)
     try:
-        found = {'the scheduler': client.run_on_scheduler(code_version.versions),
-                 **client.run(code_version.versions)}
+        found = {'the scheduler': client.run_on_scheduler(versions),
+                 **client.run(versions)}
     except _PROBLEMS as error:
         raise UserError('--scheduler {}: it cannot run img_recog: {}'.format(
             address, one_line(error)), _START.format(shlex.quote(address)))
     for name, theirs in found.items():
-        for package, version in code_version.versions().items():
+        for package, version in versions().items():
             if theirs.get(package) != version:
                 raise UserError('--scheduler {}: {} has {} {}, and here is {}'.format(
                     address, name, package, theirs.get(package), version),

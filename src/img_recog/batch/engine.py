@@ -79,13 +79,12 @@ class Engine:
 
     def __exit__(self, kind: Any, *_: Any) -> None:
         self._stack.close()
-        if kind is None and not self._is_lost:
+        done = self._work.count() if self._work else 0
+        if kind is None and not self._is_lost or not done:
             self._forget()
-        elif self._work is not None:
-            done = self._work.count()
-            if done:
-                _log.warning('%d of %d pieces are done and kept in %s; go on with --resume', done,
-                             self._count, self._folder)
+        else:
+            _log.warning('%d of %d pieces are done and kept in %s; go on with --resume', done,
+                         self._count, self._folder)
 
     def _forget(self) -> None:
         if self._work is not None:

@@ -90,20 +90,22 @@ def _read_truth(path: str, named: Dict[str, str], sets: Sequence[ColorSet]) -> T
                 raise UserError('--truth {}: it has no column {}'.format(path, missing[0]),
                                 'give one with the columns ' + ', '.join(_TRUTH))
             for row in rows:
-                for column, known in (('recording', list(named)), ('color', colors)):
-                    if row[column] not in known:
-                        raise UserError('--truth {}, line {}: there is no {} {}'.format(
-                            path, rows.line_num, column, shortened(row[column])),
-                            suggestion(row[column], known) or 'there are ' + ', '.join(known))
-                if row['in_view'] not in ('0', '1') or not row['frame'].isdigit():
-                    raise UserError('--truth {}, line {}: expected a number as frame, and 0 or 1 '
-                                    'as in_view'.format(path, rows.line_num))
-                in_view = row['in_view'] == '1'
-                if in_view != truth.setdefault(row['recording'], {}).setdefault(
-                        (int(row['frame']), row['color']), in_view):
-                    raise UserError('--truth {}, line {}: a line before it says the opposite of '
-                                    'frame {} and {}'.format(path, rows.line_num, row['frame'],
-                                                             row['color']), 'remove one of both')
+                place = '--truth {}, line {}: '.format(path, rows.line_num)
+                recording, frame, color, in_view = map(row.__getitem__, _TRUTH)
+                for column, value, known in (('recording', recording, list(named)),
+                                             ('color', color, colors)):
+                    if value not in known:
+                        raise UserError('{}there is no {} {}'.format(
+                            place, column, shortened(value)),
+                            suggestion(value, known) or 'there are ' + ', '.join(known))
+                if in_view not in ('0', '1') or not frame.isdigit():
+                    raise UserError(
+                        place + 'expected a number as frame, and 0 or 1 as in_view')
+                is_in_view = truth.setdefault(recording, {}).setdefault(
+                    (int(frame), color), in_view == '1')
+                if is_in_view != (in_view == '1'):
+                    raise UserError('{}a line before it says the opposite of frame {} and {}'
+                                    .format(place, frame, color), 'remove one of both')
     except (OSError, csv.Error, UnicodeDecodeError) as error:
         raise UserError('--truth: cannot read {}: {}'.format(path, one_line(error)))
     return truth

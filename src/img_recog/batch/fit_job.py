@@ -77,9 +77,10 @@ class _Fitting:
         with self._engine.judging():
             histograms = self._summed(counted)
             fits = {color: self._fits_of(color, histograms) for color in self._sets[FIT].colors}
+        count = max(map(len, fits.values()))
+        fits = {color: found + found[-1:] * (count - len(found)) for color, found in fits.items()}
         candidates = [self._base.candidate({
-            color: found[min(number, len(found) - 1)].box for color, found in fits.items()})
-            for number in range(max(map(len, fits.values())))]
+            color: found[number].box for color, found in fits.items()}) for number in range(count)]
         # the last one is compared with the result; a new color has none yet
         candidates.append(self._base.candidate({
             color: found[0].box for color, found in fits.items()
@@ -115,13 +116,12 @@ class _Fitting:
 
     def _summed(self, counted: Results) -> Histograms:
         """Return the histograms of all recordings that can be read to their end."""
-        for piece, found in counted:
-            if found.error:
-                raise SampleError('{}: {}'.format(piece.key, found.error))
         used: List[Set[str]] = [set() for _ in self._sets]
         total = Counter()
         seen: Dict[str, List[Remarks]] = {}
         for piece, found in counted:
+            if found.error:
+                raise SampleError('{}: {}'.format(piece.key, found.error))
             seen.setdefault(piece.key, []).append(found.remarks)
             total.add_result(found.histograms)
             for entries, more in zip(used, found.used):

@@ -72,18 +72,18 @@ class Report:
 
     def choose(self, base: BaseSettings, fits: Mapping[str, List[Fit]], sizes: Sequence[int],
                measured: Results, histograms: Histograms) -> Chosen:
-        """Choose among the fits.
+        """Choose among the fits: of each color, as many.
 
         Raises UserError if only times are known of a color, and the best bounds do not recognize
         it in them.
         """
-        candidates = max(map(len, fits.values()))
+        candidates = len(fits[self._colors[0]])
         statistics = Statistics(len(self._colors), candidates + 1, sizes)
         for _, each in measured:
             statistics.add(each)
         by_times = [is_by_times(histograms, color) for color in self._colors]
         size, choices = statistics.choose(candidates, by_times)
-        chosen = {color: fits[color][min(choice.candidate, len(fits[color]) - 1)]
+        chosen = {color: fits[color][choice.candidate]
                   for color, choice in zip(self._colors, choices)}
         limits = {color: choice.limit.area_px for color, choice in zip(self._colors, choices)}
         for color, choice, is_timed in zip(self._colors, choices, by_times):

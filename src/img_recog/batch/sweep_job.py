@@ -6,14 +6,13 @@ import argparse
 import os
 import re
 import shlex
-from typing import List, Mapping, Sequence, Tuple
+from typing import Sequence
 
 from img_recog import files
-from img_recog.batch import inputs, sweep_file, sweep_report, sweep_run
+from img_recog.batch import sweep_file, sweep_report, sweep_run
 from img_recog.batch.engine import Engine, add_options
 from img_recog.batch.sweep_file import Run, Sweep
 from img_recog.batch.sweep_report import Ended
-from img_recog.batch.sweep_run import Result
 from img_recog.batch.work import Piece
 from img_recog.command_line import programs
 from img_recog.command_line import results
@@ -38,6 +37,7 @@ def _main(words: Sequence[str], interrupts: Interrupts) -> str:
     ends = ['.worst_{}.mp4'.format(number + 1) for number in range(given.films)]
     paths = files.output_paths(path, os.path.expanduser(given.output),
                                (*results.report_extensions(), *ends), 'sweep')
+    reports, films = paths[:len(paths) - len(ends)], paths[len(paths) - len(ends):]
     runs = list(sweep.runs())
     with Engine(given, interrupts, paths[0][:-len('.csv')]) as engine:
         found = {piece.key: result for piece, result in engine.run(
@@ -45,10 +45,20 @@ def _main(words: Sequence[str], interrupts: Interrupts) -> str:
         ended = [Ended(run, found.get(run.key), engine.problems.get(run.key, ''))
                  for run in runs]
         worst = sweep_report.worst(ended, given.films)
-        films = {piece.key: film for piece, film in engine.run(
-            sweep_run.film, [_piece(sweep, run) for run, _ in worst], ' films')}
-        written = _write(paths, path, sweep, ended, [
-            (run, result, engine.problems.get(run.key, '')) for run, result in worst], films)
+        filmed = {piece.key: film for piece, film in engine.run(
+            sweep_run.film, [_piece(sweep, each.run) for each in worst], ' films')}
+        names = {each.run.key: name for each, name in zip(worst, films)}
+        shown = [(each, engine.problems.get(each.run.key) or os.path.basename(
+            names[each.run.key])) for each in worst]
+        written = [*reports, *(names[key] for key in filmed)]
+        with files.atomic_write(written) as opened:
+            title = os.path.basename(path)
+            results.write_report(
+                opened[:len(reports)], sweep_report.table(ended), sweep_report.markdown(
+                    title, sweep, ended, shown, 'rosrun img_recog sweep.py ' + shlex.quote(path)),
+                lambda file: sweep_report.draw(file, title, sweep, ended))
+            for file, film in zip(opened[len(reports):], filmed.values()):
+                file.write(film)
     failed = sum(bool(each.problem) for each in ended)
     summary = '{}, {} have succeeded, {} have no result; wrote {}'.format(
         counted(len(ended), 'run'), sum(each.is_success for each in ended), failed,
@@ -58,19 +68,18 @@ def _main(words: Sequence[str], interrupts: Interrupts) -> str:
 
 def _only(sweep: Sweep, given: argparse.Namespace, path: str) -> str:
     """Run one run again, and write its film."""
-    run = next((run for run in sweep.runs() if run.key == given.only), None)
-    if run is None:
+    runs = {run.key: run for run in sweep.runs()}
+    if given.only not in runs:
         raise UserError('--only: there is no run {}'.format(given.only),
-                        suggestion(given.only, (each.key for each in sweep.runs())))
-    name = '.{}.mp4'.format(re.sub(r'[^\w.=-]+', '_', run.key))
+                        suggestion(given.only, runs))
+    name = '.{}.mp4'.format(re.sub(r'[^\w.=-]+', '_', given.only))
     film, = files.output_paths(path, os.path.expanduser(given.output), [name], 'sweep')
-    piece = _piece(sweep, run)
+    piece = _piece(sweep, runs[given.only])
     result = sweep_run.run(piece.files, *piece.arguments)
     with files.atomic_write([film]) as (file,):
         file.write(sweep_run.film(piece.files, *piece.arguments))
     return ('{}: {} after {:.3f} s, {:.3f} m from the goal, {} collisions, path {:.3f} m; wrote {}'
-            .format(run.key, result.reason, result.time_s, result.distance_m, result.collisions,
-                    result.path_m, film))
+            .format(given.only, *result[:5], film))
 
 
 def _piece(sweep: Sweep, run: Run) -> Piece:
@@ -79,25 +88,7 @@ def _piece(sweep: Sweep, run: Run) -> Piece:
     roles = tuple(role for role in _FILE_ROLES if os.path.isabs(values.get(role) or ''))
     return Piece(run.key, (roles, Run('', {}, run.seed, values), sweep.success,
                            sweep.settings.time_limit), tuple(values[role] for role in roles),
-                 depends=inputs.of_scene(*sweep_run.scene_of(values)))
-
-
-def _write(paths: Sequence[str], path: str, sweep: Sweep, ended: Sequence[Ended],
-           worst: Sequence[Tuple[Run, Result, str]], films: Mapping[str, bytes]) -> List[str]:
-    """Write all files; return the paths. worst: with problems of their films; films: by key."""
-    title, count = os.path.basename(path), len(results.report_extensions())
-    names = {run.key: name for (run, *_), name in zip(worst, paths[count:])}
-    shown = [(run, result, problem or os.path.basename(names[run.key]))
-             for run, result, problem in worst]
-    used = [*paths[:count], *(names[key] for key in films)]
-    with files.atomic_write(used) as opened:
-        results.write_report(
-            opened[:count], sweep_report.table(ended), sweep_report.markdown(
-                title, sweep, ended, shown, 'rosrun img_recog sweep.py ' + shlex.quote(path)),
-            lambda file: sweep_report.draw(file, title, sweep, ended))
-        for file, film in zip(opened[count:], films.values()):
-            file.write(film)
-    return used
+                 depends=sweep_run.inputs(*sweep_run.scene_of(values)))
 
 
 def _parser() -> argparse.ArgumentParser:

@@ -52,16 +52,15 @@ def _rounded(values: Values) -> Values:
             for name, value in values.items()}
 
 
-def worst(ended: Sequence[Ended], count: int) -> List[Tuple[Run, Result]]:
+def worst(ended: Sequence[Ended], count: int) -> List[Ended]:
     """Return the runs that have failed and ended farthest from the goal, then the longest ones."""
-    ran = [(each.is_success, each.run, each.result) for each in ended if each.result]
-    ran.sort(key=lambda each: (each[0], -each[2].time_s if each[0] else -each[2].distance_m,
-                               each[1].key))
-    return [(run, result) for _, run, result in ran[:count]]
+    ran = [(each.is_success, -each.result.time_s if each.is_success else -each.result.distance_m,
+            each.run.key, each) for each in ended if each.result]
+    return [each for *_, each in sorted(ran, key=lambda row: row[:3])[:count]]
 
 
 def markdown(title: str, sweep: Sweep, ended: Sequence[Ended],
-             films: Sequence[Tuple[Run, Result, str]], command: str) -> str:
+             films: Sequence[Tuple[Ended, str]], command: str) -> str:
     """Return the report. films: the worst runs, and the names of their films.
 
     command: how the sweep was started, without its options.
@@ -80,9 +79,10 @@ def markdown(title: str, sweep: Sweep, ended: Sequence[Ended],
          for row in rows])
     lines += results.markdown_part(
         'The worst runs:', ['run', 'ended by', 'distance', 'time', 'film', 'again'],
-        [[run.key, result.reason, '{:.2f} m'.format(result.distance_m),
-          '{:.1f} s'.format(result.time_s), name,
-          '`{} --only {}`'.format(command, shlex.quote(run.key))] for run, result, name in films])
+        [[each.run.key, each.reason, '{:.2f} m'.format(each.result.distance_m),
+          '{:.1f} s'.format(each.result.time_s), name,
+          '`{} --only {}`'.format(command, shlex.quote(each.run.key))]
+         for each, name in films if each.result])
     failed = [each for each in ended if each.problem]
     if failed:
         lines += ['', 'Without a result: {}'.format(counted(len(failed), 'run')), '']

@@ -4,16 +4,18 @@ import dataclasses
 import fnmatch
 import functools
 import math
+import os
 import tempfile
 from typing import Any, Dict, Iterable, Iterator, List, NamedTuple, Optional, Sequence, Tuple
 
 import numpy as np
 
 from img_recog.batch.sweep_file import Run, Success, Values, given
-from img_recog.errors import UserError
-from img_recog.loading import resources
+from img_recog.batch.work_folder import digest, identity
+from img_recog.errors import UserError, one_line
+from img_recog.loading import assemble, resources, robot_file
 from img_recog.recognition import parameter_file
-from img_recog.rendering import renderer
+from img_recog.rendering import prepared, renderer
 from img_recog.rendering.light import LightSettings
 from img_recog.replay import scenario
 from img_recog.replay.chain import (SECOND_NS, Chain, ColorRecognition, FrameMeasurement,
@@ -143,6 +145,25 @@ def film(paths: Sequence[str], roles: Tuple[str, ...], run: Run, success: Succes
 def scene_of(values: Values) -> Tuple[str, str]:
     """Return the world and the URDF of a run, by its parameters."""
     return values.get('world', resources.DEFAULT_WORLD), values.get('urdf') or resources.burger()
+
+
+@functools.lru_cache(maxsize=None)      # a program reads them once
+def inputs(world: str, urdf: str) -> str:
+    """Return a hash of what a world and a robot are once they are read, and of their files.
+
+    world, urdf: as for scenario.build. What is included, expanded, found somewhere else, or not
+    found any more makes another model, so only the files that the models name are left.
+    """
+    try:
+        text = robot_file.read(urdf, '--urdf')
+        robot, file = assemble.robot_of(text, urdf), assemble.world(world, allow_partial=False)
+    except UserError as error:      # what cannot be read has no result
+        return one_line(error)
+    models = [robot.model, *(tree.model for tree in file.trees)]
+    paths = {path for model in models for named in model.files
+             for path in prepared.files_of(named)}
+    return digest((text, robot.model, file, [
+        (path, os.path.isfile(path) and identity(path)) for path in sorted(paths)]))
 
 
 def _with_paths(run: Run, roles: Tuple[str, ...], paths: Sequence[str]) -> Run:

@@ -3,19 +3,25 @@ import contextlib
 import functools
 import gzip
 import hashlib
+import importlib.metadata
 import io
 import os
+import pathlib
 import pickle
+import platform
 import stat
-from typing import Any
+from typing import Any, Dict
 
-from img_recog.batch import code_version
+import cv2
+
 from img_recog.batch.work import Function, Piece
 from img_recog.errors import UserError, one_line
 from img_recog.files import atomic_write
 
 _SUFFIX = '.piece'
 _END_BYTES = 1 << 20
+# results of others may differ
+_DISTRIBUTIONS = 'av', 'dask', 'distributed', 'moderngl', 'numpy', 'Pillow', 'pybullet', 'trimesh'
 _ADVICE = 'set --output to where files can be written'
 
 
@@ -31,7 +37,7 @@ class WorkFolder:
     def __init__(self, path: str, function: Function):
         """Raise UserError if others could have put something there: a pickle can run code."""
         self.path = path
-        self._common = (code_version.versions(), function.__module__, function.__qualname__)
+        self._common = (versions(), function.__module__, function.__qualname__)
         _refuse_foreign(path)
 
     def name_of(self, piece: Piece) -> str:
@@ -50,20 +56,13 @@ class WorkFolder:
     def write(self, name: str, result: Any) -> None:
         """Write the result of a piece; raise UserError if it is not possible."""
         path = self._path(name)
-        folders = self.path, os.path.dirname(path)
         try:
-            for folder in folders:
+            for folder in (self.path, os.path.dirname(path)):
                 os.makedirs(folder, 0o700, exist_ok=True)
         except OSError as error:
             raise UserError('cannot write {}: {}'.format(path, one_line(error).lower()), _ADVICE)
-        try:
-            with atomic_write([path], _ADVICE) as (file,):
-                file.write(gzip.compress(pickle.dumps(result), 1))
-        except UserError:
-            for folder in reversed(folders):
-                with contextlib.suppress(OSError):      # it has other results
-                    os.rmdir(folder)
-            raise
+        with atomic_write([path], _ADVICE) as (file,):
+            file.write(gzip.compress(pickle.dumps(result), 1))
 
     def read(self, name: str) -> Any:
         """Return the result of a piece."""
@@ -86,6 +85,21 @@ class WorkFolder:
     def _path(self, name: str) -> str:
         # in 256 folders: atomic_write looks through all files beside the one that it writes
         return os.path.join(self.path, name[:2], name + _SUFFIX)
+
+
+@functools.lru_cache(maxsize=None)
+def versions() -> Dict[str, str]:
+    """Return the versions of Python and libraries, and a hash of all modules of the package."""
+    folder = pathlib.Path(__file__).resolve().parents[1]
+    modules = hashlib.sha256()
+    for path in sorted(folder.rglob('*.py')):
+        modules.update(path.relative_to(folder).as_posix().encode() + b'\0' + path.read_bytes())
+    found = {'img_recog': modules.hexdigest(), 'Python': platform.python_version(),
+             'OpenCV': cv2.__version__}
+    for name in _DISTRIBUTIONS:
+        with contextlib.suppress(importlib.metadata.PackageNotFoundError):
+            found[name] = importlib.metadata.version(name)
+    return found
 
 
 def digest(value: Any) -> str:

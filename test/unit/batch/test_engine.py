@@ -11,7 +11,7 @@ import psutil
 import pytest
 from distributed import Client
 
-from img_recog.batch import code_version
+from img_recog.batch import work_folder
 from img_recog.batch.engine import Engine
 from img_recog.batch.work import Piece
 from img_recog.processes.signals import Interrupts
@@ -146,8 +146,8 @@ def test_a_file_that_has_changed_is_read_again(run, tmp_path):
 
 
 def test_results_of_other_versions_are_made_again(interrupted, tmp_path, monkeypatch):
-    versions = dict(code_version.versions(), numpy='0')
-    monkeypatch.setattr(code_version, 'versions', lambda: versions)
+    versions = dict(work_folder.versions(), numpy='0')
+    monkeypatch.setattr(work_folder, 'versions', lambda: versions)
     assert [each.value for each in interrupted()] == [0, 1, 4, 9, 16, 25]
     assert (tmp_path / '0').read_text() == 'xx'
 

@@ -5,7 +5,7 @@ import re
 import pytest
 from PIL import Image
 
-from img_recog.batch import code_version, inputs, work_folder
+from img_recog.batch import sweep_run, work_folder
 from img_recog_helpers import sdf
 from img_recog_helpers.robots import FOLDER
 
@@ -54,8 +54,8 @@ def folder(tmp_path, monkeypatch):
 
 
 def digest():
-    inputs.of_scene.cache_clear()       # as another program
-    found = inputs.of_scene('w.world', 'r.urdf.xacro')
+    sweep_run.inputs.cache_clear()       # as another program
+    found = sweep_run.inputs('w.world', 'r.urdf.xacro')
     assert re.fullmatch('[0-9a-f]{64}', found)      # else it says why nothing was read
     return found
 
@@ -107,13 +107,13 @@ def test_a_model_that_is_found_earlier(folder):
 
 
 def test_robots_and_worlds_of_this_package(folder):
-    digests = {inputs.of_scene(world, BURGER) for world in ('empty', 'color_posts')}
+    digests = {sweep_run.inputs(world, BURGER) for world in ('empty', 'color_posts')}
     assert len(digests | {digest()}) == 3
 
 
 def test_python_and_the_libraries_are_among_the_versions():
     assert {'img_recog', 'Python', 'OpenCV', 'numpy', 'pybullet', 'moderngl'} <= set(
-        code_version.versions())
+        work_folder.versions())
 
 
 def test_a_large_file_is_known_by_its_ends_and_its_time(tmp_path):
