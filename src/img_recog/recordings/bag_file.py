@@ -3,7 +3,7 @@ import bz2
 import io
 import shlex
 import struct
-from typing import Any, Callable, Dict, Iterator, List, Mapping, Optional, Tuple
+from typing import Any, Callable, Dict, Iterator, List, Mapping, Optional, Set, Tuple
 
 import genpy
 import rosbag
@@ -55,6 +55,10 @@ class BagFile(rosbag.Bag):
         self._reader.kinds.update(((kind._type, kind._md5sum), kind) for kind in kinds.values())
         return self.read_messages(list(kinds), begin, end, _filter(kinds),
                                   return_connection_header=True)
+
+    def connections(self) -> Set[Tuple[str, str, str]]:
+        """Return topic, type and MD5 sum of all connections; a topic may have several types."""
+        return {(each.topic, each.datatype, each.md5sum) for each in self._get_connections()}
 
     def times_ns(self, kinds: Mapping[str, Any]) -> List[int]:
         """Return when each message was recorded, by the index; kinds: as for `messages`."""

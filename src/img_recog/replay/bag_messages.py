@@ -1,6 +1,6 @@
 """Chooses and reads the messages of a bag that a film or a plot shows."""
 import itertools
-from typing import Any, Dict, Iterator, List, Mapping, NamedTuple, Sequence, Set, Tuple
+from typing import Any, Dict, Iterator, List, Mapping, NamedTuple, Sequence, Tuple
 
 import numpy as np
 
@@ -27,8 +27,7 @@ class RecordedMessage(NamedTuple):
 class Messages:
     """The messages of a bag that are shown.
 
-    topics: by the roles for which there is one. others: topics that cannot be shown, as a text, ''
-    if there are none.
+    others: topics that cannot be shown, as a text, '' if there are none.
     """
 
     def __init__(self, path: str, bag: BagFile, near: str, kinds: Mapping[str, Any],
@@ -40,7 +39,7 @@ class Messages:
         """
         self.path, self._bag = path, bag
         self._shown: Dict[str, Tuple[str, Any]] = dict(given)
-        connections = self._connections()
+        connections = bag.connections()
         others: List[str] = []
         for role, kind in kinds.items():
             found = sorted({name for name, type_name, _ in connections if type_name == kind._type})
@@ -53,18 +52,6 @@ class Messages:
                 self._shown[nearest(readable, near)] = role, kind
         self.others = '{}: the message type has another definition in this ROS'.format(
             shortened(', '.join(others))) if others else ''
-        self.topics = {role: name for name, (role, _) in self._shown.items()}
-
-    def _connections(self) -> Set[Tuple[str, str, str]]:
-        """Return topic, type and MD5 sum of all connections; a topic may have several types."""
-        found: Set[Tuple[str, str, str]] = set()
-
-        def take_none(topic: str, type_name: str, md5sum: str, *_: Any) -> bool:
-            found.add((topic, type_name, md5sum))
-            return False
-        for _ in self._bag.read_messages(connection_filter=take_none):
-            pass
-        return found
 
     def outlines(self) -> List[np.ndarray]:
         """Return the outlines of what stands in the world; none if they were not recorded."""
@@ -74,7 +61,7 @@ class Messages:
 
     def in_order(self) -> Iterator[RecordedMessage]:
         """Yield all messages in the order of their recording, without the outlines."""
-        return self._read([role for role in self.topics if role != 'outlines'])
+        return self._read([role for role, _ in self._shown.values() if role != 'outlines'])
 
     def _read(self, roles: Sequence[str]) -> Iterator[RecordedMessage]:
         kinds = {name: kind for name, (role, kind) in self._shown.items() if role in roles}

@@ -18,10 +18,10 @@ from img_recog.processes.bag_recording import BagRecording
 from img_recog.processes.signals import Interrupts
 from img_recog.recognition import parameter_file
 from img_recog.recognition.recognition_settings import RecognitionSettings
-from img_recog.recordings.bag_file import DAMAGE_ERRORS, damaged, open_bag
+from img_recog.recordings.bag_file import open_bag
 from img_recog.replay import figure
 from img_recog.replay.plot_data import PlotData
-from img_recog.replay.recorded_drive import RecordedDrive, odometry_of, topics_beside
+from img_recog.replay.recorded_drive import drive_of, odometry_of, topics_beside
 from img_recog.ros import timed_xmlrpc
 from img_recog.ros.timed_xmlrpc import Master
 
@@ -75,13 +75,9 @@ def _read(path: str, title: str, odometry: str, robot: str, settings: Recognitio
     title: of the bag in messages; odometry: its topic, '' to choose that of a robot.
     """
     with open_bag(path, advice=_BAG_ADVICE) as bag:
-        try:
-            types = {name: topic.msg_type
-                     for name, topic in bag.get_type_and_topic_info().topics.items()}
-            drive = RecordedDrive(title, bag, odometry or odometry_of(types, robot, title))
-        except DAMAGE_ERRORS as error:
-            raise damaged(title, error)
-        return drive.data(settings.colors), drive.others
+        odometry = odometry or odometry_of(
+            {name: kind for name, kind, _ in sorted(bag.connections())}, robot, title)
+        return drive_of(title, bag, odometry, settings.colors)
 
 
 @contextlib.contextmanager

@@ -1,7 +1,8 @@
 """A drive that was recorded in a bag, as the data of its picture."""
+import contextlib
 import itertools
 import math
-from typing import Any, Dict, Iterable, List, Mapping, Sequence, Tuple, Union
+from typing import Dict, Iterable, List, Mapping, Sequence, Tuple, Union
 
 import numpy as np
 from geometry_msgs.msg import Twist
@@ -23,55 +24,43 @@ _JUMP_M = 0.5           # between two positions that follow one another: the rob
 _HUE_STEP = 50          # between colors of which only the names are known
 
 
-class RecordedDrive:
-    """Collects what one robot of a bag has done. others: what is not shown, '' for nothing."""
+def drive_of(path: str, bag: BagFile, odometry: str, known: Sequence[Color]
+             ) -> Tuple[PlotData, str]:
+    """Return what a robot of an open bag has done, and what of it is not shown, '' for nothing.
 
-    def __init__(self, path: str, bag: BagFile, odometry: str):
-        """Choose topics of an open bag; odometry: that of the robot. path: in messages."""
-        self._messages = Messages(path, bag, odometry, _OTHERS, {odometry: (_ODOM, Odometry)})
-        self.others, self._odometry = self._messages.others, odometry
-        self._motion: List[tuple] = []
-        self._areas: List[Dict[str, float]] = []
-        self._sent: Dict[str, List[tuple]] = {}         # by the name of the sender
-        self._end_s = 0.0
-
-    def data(self, known: Sequence[Color]) -> PlotData:
-        """Return the data of the picture; known: colors, for those that were recognized.
-
-        Raises UserError if there is no odometry, or the bag is damaged.
-        """
-        start_s = None
-        for role, msg, time_s, sender in self._messages.in_order():
-            start_s = time_s if start_s is None else start_s
-            self._end_s = time_s - start_s
-            try:
-                self._take(role, msg, sender)
-            except UserError:       # a picture needs no warning for each message
-                continue
-        if not self._motion:
-            raise UserError('{} has no usable message on {}'.format(
-                self._messages.path, self._odometry), 'record it while the robot runs')
-        motion = np.array(self._motion)
-        steps = np.hypot(*np.diff(motion[:, [X, Y]], axis=0).T)
-        names = list(dict.fromkeys(name for row in self._areas for name in row if name))
-        areas = [[row[name] if name in row else math.nan for name in ('', *names)]
-                 for row in self._areas]
-        driving = [sent for sent in self._sent.values() if any(any(each[1:]) for each in sent)]
-        idle = [sent for sent in self._sent.values() if sent not in driving]
-        return PlotData(
-            colors_of(names, known), motion, np.reshape(areas, (-1, 1 + len(names))),
-            _in_order(driving), _in_order(idle), self._end_s, self._messages.outlines(),
-            (np.flatnonzero(steps > _JUMP_M) + 1).tolist())
-
-    def _take(self, role: str, msg: Any, sender: str) -> None:
-        if role == _ODOM:
-            pose = plane_msgs.pose_from_msg(msg.pose)
-            self._motion.append((self._end_s, *pose, *_velocity(msg.twist.twist)))
-        elif role == 'cmd_vel':
-            self._sent.setdefault(sender, []).append((self._end_s, *_velocity(msg)))
-        elif role == 'detections':
-            found = color_detection_msgs.from_msg(msg)
-            self._areas.append({'': self._end_s, **dict(zip(found.names, found.areas_px))})
+    path: of the bag in messages. odometry: the topic of the robot. known: colors, for those that
+    were recognized. Raises UserError if there is no odometry, or the bag is damaged.
+    """
+    messages = Messages(path, bag, odometry, _OTHERS, {odometry: (_ODOM, Odometry)})
+    moved: List[tuple] = []
+    found: List[Dict[str, float]] = []
+    sent: Dict[str, List[tuple]] = {}           # by the name of the sender
+    start_s, now_s = None, 0.0
+    for role, msg, time_s, sender in messages.in_order():
+        start_s = time_s if start_s is None else start_s
+        now_s = time_s - start_s
+        with contextlib.suppress(UserError):    # a picture needs no warning for each message
+            if role == _ODOM:
+                pose = plane_msgs.pose_from_msg(msg.pose)
+                moved.append((now_s, *pose, *_velocity(msg.twist.twist)))
+            elif role == 'cmd_vel':
+                sent.setdefault(sender, []).append((now_s, *_velocity(msg)))
+            else:
+                detected = color_detection_msgs.from_msg(msg)
+                found.append({'': now_s, **dict(zip(detected.names, detected.areas_px))})
+    if not moved:
+        raise UserError('{} has no usable message on {}'.format(path, odometry),
+                        'record it while the robot runs')
+    motion = np.array(moved)
+    steps = np.hypot(*np.diff(motion[:, [X, Y]], axis=0).T)
+    names = list(dict.fromkeys(name for row in found for name in row if name))
+    areas = [[row.get(name, math.nan) for name in ('', *names)] for row in found]
+    driving = [each for each in sent.values() if any(any(row[1:]) for row in each)]
+    idle = [each for each in sent.values() if each not in driving]
+    return PlotData(
+        colors_of(names, known), motion, np.reshape(areas, (-1, 1 + len(names))),
+        _in_order(driving), _in_order(idle), now_s, messages.outlines(),
+        (np.flatnonzero(steps > _JUMP_M) + 1).tolist()), messages.others
 
 
 def _velocity(twist: Twist) -> Tuple[float, float]:

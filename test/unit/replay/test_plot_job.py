@@ -15,7 +15,7 @@ from img_recog.conversions import color_detection_msgs, plane_msgs, twist_msgs
 from img_recog.conversions.plane_msgs import PlanePose
 from img_recog.recognition.recognition_settings import with_colors
 from img_recog.replay import figure, plot_job
-from img_recog.replay.recorded_drive import RecordedDrive
+from img_recog.replay.recorded_drive import drive_of
 from img_recog.recordings.bag_file import BagFile
 from img_recog.replay.plot_data import PlotColor
 from img_recog_helpers.films import SQUARE
@@ -81,7 +81,7 @@ def plot(capsys, caplog):
 
 def test_the_data_of_a_drive(path):
     with OfTwoSenders(str(path)) as bag:
-        data = RecordedDrive('in.bag', bag, '/odom').data(COLORS)
+        data, _ = drive_of('in.bag', bag, '/odom', COLORS)
     assert data.motion == pytest.approx(np.array([
         (0.0, 1.0, 2.0, 0.25, 0.5, 0.1), (0.5, 1.2, 2.0, 0.25, 0.5, 0.1),
         (1.0, 3.0, 0.0, 0.25, 0.5, 0.1)]))

@@ -3,17 +3,19 @@ import os
 import shutil
 import tempfile
 import threading
+from multiprocessing.connection import Connection
 from typing import Any, Callable, Dict, NamedTuple, Tuple
 
 from img_recog import files
 from img_recog.errors import UserError, one_line
 from img_recog.nodes.web.pictures import PictureTopics, encoded
 from img_recog.nodes.web.tuning import FOLDER_ADVICE, saving, wait_until
+from img_recog.processes.helper_process import HelperProcess
 from img_recog.recognition.fitting import marked
 from img_recog.recognition.fitting.marked import Marked
-from img_recog.recognition.fitting.offers import Offer, offers_of_a_process
+from img_recog.recognition.fitting.offers import Offer, offers
 
-_FIT_TIMEOUT_S = 120.0
+_FIT_TIMEOUT_S, _NICENESS = 120.0, 5
 _fitting = threading.Lock()     # one search at a time in this program
 
 
@@ -120,3 +122,26 @@ class ColorSamples:
                     self.state = self.state._replace(
                         offers=found, is_searching=False, problem=problem)
                     return
+
+
+def offers_of_a_process(now: Marked, timeout_s: float) -> Dict[str, Offer]:
+    """Return what `offers` does, from a process that is ended after a time.
+
+    The search takes hundreds of MB for some seconds. Raises UserError if there is no result.
+    """
+    process = HelperProcess(_send_offers, (now,), _NICENESS)
+    try:
+        if process.connection.poll(timeout_s):
+            return process.connection.recv()
+        raise UserError('the search of bounds took more than {:g} s'.format(timeout_s),
+                        'mark fewer pictures')
+    except EOFError:
+        raise UserError('the search of bounds has ended: exit code {}'.format(process.wait()),
+                        'see the log of the page')
+    finally:
+        process.kill()
+        process.end()
+
+
+def _send_offers(connection: Connection, now: Marked) -> None:
+    connection.send(offers(now))

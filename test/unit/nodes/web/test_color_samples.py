@@ -10,6 +10,7 @@ from img_recog import files
 from img_recog.errors import UserError
 from img_recog.nodes.web import color_samples, tuning
 from img_recog.nodes.web.color_samples import ColorSamples
+from img_recog.recognition.fitting.marked import Marked
 from img_recog.recognition.fitting.offers import Offer
 from img_recog_helpers.waiting import wait_for
 
@@ -111,3 +112,16 @@ def test_nothing_is_left_of_what_cannot_be_saved(samples, tmp_path, monkeypatch)
     with pytest.raises(UserError, match='samples_1: no space left on device; start it in a'):
         samples.save()
     assert os.listdir(str(tmp_path)) == []
+
+
+def test_a_search_in_a_process():
+    assert color_samples.offers_of_a_process(Marked(), 300) == {}
+
+
+@pytest.mark.parametrize('timeout_s, problem', [
+    (0.0, 'took more than 0 s; mark fewer pictures'),
+    (300, 'has ended: exit code 1; see the log of the page')])
+def test_a_search_without_result_is_named(monkeypatch, timeout_s, problem):
+    monkeypatch.setattr(color_samples, '_send_offers', os.getpid)   # takes no arguments
+    with pytest.raises(UserError, match=problem):
+        color_samples.offers_of_a_process(Marked(), timeout_s)

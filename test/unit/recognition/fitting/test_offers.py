@@ -3,7 +3,6 @@ import cv2
 import numpy as np
 import pytest
 
-from img_recog.errors import UserError
 from img_recog.recognition.fitting import marked, offers
 from img_recog.recognition.fitting.marked import Marked
 
@@ -19,9 +18,8 @@ def samples():
     return marked.with_rectangle(now, name, 0.7, 0.1, 0.2, 0.2, 'blue')
 
 
-def test_bounds_with_shares_or_what_overlaps(samples, monkeypatch):
-    monkeypatch.delenv('PYTHONPATH', raising=False)         # the process looks where this one does
-    found = offers.offers_of_a_process(samples, 300)
+def test_bounds_with_shares_or_what_overlaps(samples):
+    found = offers.offers(samples)
     assert list(found) == ['red', 'blue']
     assert found['red'].marked_inside > 0.97 and found['red'].others_inside < 0.01
     hue = int(cv2.cvtColor(np.uint8([[(40, 30, 190)]]), cv2.COLOR_BGR2HSV)[0, 0, 0])
@@ -35,19 +33,3 @@ def test_bounds_with_shares_or_what_overlaps(samples, monkeypatch):
 def test_without_others_all_that_is_marked_is_inside(samples):
     blue = offers.offers(samples._replace(rest_is_none=False))['blue']
     assert blue.marked_inside > 0.97
-
-
-@pytest.mark.parametrize('program, timeout_s, problem', [
-    ('import time; time.sleep(100)', 0.2, 'took more than 0.2 s; mark fewer pictures'),
-    ('raise MemoryError("no memory")', 300, 'has ended: exit code 1, MemoryError: no memory')])
-def test_a_search_without_result_is_ended_and_named(samples, monkeypatch, program, timeout_s,
-                                                    problem):
-    monkeypatch.setattr(offers, '_PROGRAM', program)
-    with pytest.raises(UserError, match=problem):
-        offers.offers_of_a_process(samples, timeout_s)
-
-
-def test_a_search_that_cannot_be_started(samples, monkeypatch):
-    monkeypatch.setattr(offers.sys, 'executable', '/none')
-    with pytest.raises(UserError, match='^cannot search bounds: No such file or directory$'):
-        offers.offers_of_a_process(samples, 300)
