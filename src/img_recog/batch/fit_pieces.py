@@ -71,8 +71,9 @@ def count(paths: Sequence[str], recorded: RecordingPart, sets: Sequence[Samples]
                    reader.remarks)
 
 
-def measure(paths: Sequence[str], recorded: RecordingPart, sets: Sequence[Samples], max_pixels: int,
-            candidates: Sequence[Mapping[str, Any]], sizes: Sequence[int]) -> MeasuredPart:
+def measure(paths: Sequence[str], recorded: RecordingPart, sets: Sequence[Samples],
+            max_pixels: int, candidates: Sequence[Mapping[str, Any]],
+            sizes: Sequence[int]) -> MeasuredPart:
     """Measure the frames of a part by each of the candidates, for each least size of blobs.
 
     paths, sets: as for `count`. candidates: parameters of the same colors, with a min_blob_size of
@@ -99,7 +100,7 @@ def measure(paths: Sequence[str], recorded: RecordingPart, sets: Sequence[Sample
     shapes = (), (), (), shape[1:2], (*shape, 3), shape
     kinds = np.int64, float, np.int8, np.int8, np.int32, np.int32
     return MeasuredPart(*(np.array(column, kind).reshape((len(rows), *each))
-                      for column, kind, each in zip(columns, kinds, shapes)))
+                          for column, kind, each in zip(columns, kinds, shapes)))
 
 
 def _labels(sets: Sequence[Samples], labelers: Sequence[Labeler], recorded: RecordingPart,

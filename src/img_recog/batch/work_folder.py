@@ -1,7 +1,6 @@
 """The folder with the results of the pieces of a run, until all are there."""
 import contextlib
 import functools
-import gzip
 import hashlib
 import importlib.metadata
 import io
@@ -10,10 +9,11 @@ import pathlib
 import pickle
 import platform
 import stat
-from typing import Any, Dict
+from typing import Any, Dict, get_type_hints
 
 import cv2
 
+from img_recog.batch import plain
 from img_recog.batch.work import Function, Piece
 from img_recog.errors import UserError, one_line
 from img_recog.files import atomic_write
@@ -35,8 +35,12 @@ class WorkFolder:
     """
 
     def __init__(self, path: str, function: Function):
-        """Raise UserError if others could have put something there: a pickle can run code."""
+        """function: its type of result names those of all parts, see `plain`.
+
+        Raises UserError if other users could have put something there.
+        """
         self.path = path
+        self._kind = get_type_hints(function)['return']
         self._common = (versions(), function.__module__, function.__qualname__)
         _refuse_foreign(path)
 
@@ -49,7 +53,7 @@ class WorkFolder:
         """Return whether there is a result; one that is damaged is none."""
         try:
             self.read(name)
-        except Exception:       # it is missing, cut or empty: errors of many types
+        except Exception:       # it is missing, cut or empty: zipfile and numpy raise many types
             return False
         return True
 
@@ -62,12 +66,12 @@ class WorkFolder:
         except OSError as error:
             raise UserError('cannot write {}: {}'.format(path, one_line(error).lower()), _ADVICE)
         with atomic_write([path], _ADVICE) as (file,):
-            file.write(gzip.compress(pickle.dumps(result), 1))
+            file.write(plain.dump(result))
 
     def read(self, name: str) -> Any:
         """Return the result of a piece."""
-        with gzip.open(self._path(name)) as file:
-            return pickle.loads(file.read())    # all of it: at the end is a checksum
+        with open(self._path(name), 'rb') as file:
+            return plain.load(file.read(), self._kind)
 
     def count(self) -> int:
         """Return how many results there are."""

@@ -1,8 +1,8 @@
 """Pieces of work: their outcomes, in any number of processes, interrupted, killed and resumed."""
 import argparse
 import contextlib
-import gzip
 import os
+import pickle
 import socket
 from typing import Any, NamedTuple
 
@@ -197,8 +197,7 @@ def interrupted(run, tmp_path):
 
 @pytest.mark.parametrize('damage', [
     lambda content: b'', lambda content: content[:-9], lambda content: b'x' * 99,
-    lambda content: content[:-8] + b'x' + content[-7:],
-    lambda content: gzip.compress(b'x' + gzip.decompress(content))])
+    lambda content: content.replace(b'descr', b'DESCR'), lambda content: pickle.dumps(7)])
 def test_a_damaged_result_is_made_again(interrupted, tmp_path, damage):
     for path in kept(tmp_path):
         path.write_bytes(damage(path.read_bytes()))

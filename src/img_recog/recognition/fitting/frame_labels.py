@@ -7,8 +7,8 @@ import numpy as np
 from img_recog.errors import UserError, one_line
 from img_recog.formats import still_images
 from img_recog.recognition.fitting.histograms import COLOR, IN_VIEW, NOT, Label
-from img_recog.recognition.fitting.samples import (IGNORED, NO_COLOR, TimeRange, Region, SampleError,
-                                                   Samples, is_named)
+from img_recog.recognition.fitting.samples import (IGNORED, NO_COLOR, Region, SampleError,
+                                                   Samples, TimeRange, is_named)
 
 # codes of pixels; that of a color is its number, from 1
 _NONE, _IGNORED, _UNLABELED = 0, 254, 255
