@@ -19,7 +19,7 @@ Report = Callable[[DiagnosticStatusWrapper], None]
 
 
 class EventCounter:
-    """Counts events. Any thread counts, one thread at a time calls `restart` and `rate_hz`.
+    """Counts events. For any thread, but only one calls `rate_hz`.
 
     measured_s: the time in which the last rate was measured.
 
@@ -44,15 +44,17 @@ class EventCounter:
 
     def restart(self) -> None:
         """Measure the rate from now on."""
-        self._samples = deque([(self._now(), self.total)])
+        with self._lock:
+            self._samples = deque([(self._now(), self.total)])
 
     def rate_hz(self, window_s: float = WINDOW_S) -> float:
         """Return the rate in the last `window_s`; to be called once in each period."""
-        now_s, total = self._now(), self.total
-        while len(self._samples) > 1 and self._samples[1][0] <= now_s - window_s:
-            self._samples.popleft()
-        begin_s, begin = self._samples[0]
-        self._samples.append((now_s, total))
+        with self._lock:
+            now_s, total = self._now(), self.total
+            while len(self._samples) > 1 and self._samples[1][0] <= now_s - window_s:
+                self._samples.popleft()
+            begin_s, begin = self._samples[0]
+            self._samples.append((now_s, total))
         self.measured_s = now_s - begin_s
         return (total - begin) / self.measured_s if self.measured_s > 0 else 0.0
 

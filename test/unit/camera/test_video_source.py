@@ -12,12 +12,8 @@ from img_recog_helpers.videos import VIDEO_RATE_HZ, opencv_frames
 
 
 @pytest.mark.parametrize('name, options', [
-    ('a.mp4', ['-c:v', 'libx264', '-pix_fmt', 'yuv420p']), ('a.mp4', ['-c:v', 'mpeg4']),
     ('a.mkv', ['-c:v', 'libx264', '-pix_fmt', 'yuv444p', '-s', '97x65']),
-    ('a.avi', ['-c:v', 'mpeg4']), ('a.mov', ['-c:v', 'mpeg4', '-s', '97x65']),
-    ('a.avi', ['-c:v', 'mjpeg', '-pix_fmt', 'yuvj420p']), ('a.avi', ['-c:v', 'ffv1']),
-    ('a.mkv', ['-c:v', 'mjpeg', '-pix_fmt', 'yuvj422p', '-s', '97x65']),
-    ('a.mkv', ['-c:v', 'ffv1']), ('a.avi', ['-c:v', 'mjpeg', '-frames:v', '1'])])
+    ('a.avi', ['-c:v', 'mpeg4']), ('a.avi', ['-c:v', 'mjpeg', '-frames:v', '1'])])
 def test_video_equals_videocapture(make_film, name, options):
     path = make_film(name, *options)
     expected, source = opencv_frames(path), open_file(path, 30.0)

@@ -1,5 +1,4 @@
 """The state of the camera, as in /diagnostics."""
-import threading
 import time
 from typing import Callable, Optional, Tuple
 
@@ -24,7 +23,6 @@ class CameraDiagnostics:
 
     def __init__(self, device: str, now: Callable[[], float] = time.monotonic):
         self._device = device
-        self._lock = threading.Lock()
         self._source: Optional[FrameSource] = None
         self.frames, self.dropped, self.skipped = EventCounter(now), EventCounter(now), Refusals()
         self.ages, self.publishing = Durations(), Durations()
@@ -33,46 +31,39 @@ class CameraDiagnostics:
 
     def opened(self, source: FrameSource) -> None:
         """Store the source that was opened, and start to measure its rate."""
-        with self._lock:
-            self._source = source
-            self.frames.restart()
+        self._source = source
+        self.frames.restart()
 
     def lost(self, reason: str) -> None:
         """Report the loss of the device as an error from now on."""
-        with self._lock:
-            self._lost, self._losses = reason, self._losses + 1
+        self._lost, self._losses = reason, self._losses + 1
 
     def reconnected(self) -> None:
         """Report the device as present again."""
-        with self._lock:
-            self._lost = None
+        self._lost = None
 
     def set_active(self, active: bool) -> None:
         """Store whether the camera is capturing, not suspended; to be called again and again."""
-        with self._lock:
-            if active != self._active:
-                self._active = active
-                self.frames.restart()
+        if active != self._active:
+            self._active = active
+            self.frames.restart()
 
     def report(self, status: DiagnosticStatusWrapper) -> None:
         """Fill in the status; to be called once in each period."""
-        with self._lock:
-            source, rate_hz = self._source, self._rate_hz()
-            expected_hz = source.expected_hz if source else None
-            if source is not None and source.max_hz and expected_hz:
-                expected_hz = min(expected_hz, source.max_hz)
-            status.summary(*self._summary(rate_hz, expected_hz))
-            status.add('device', self._device)
-            status.add('format', source.description if source else 'not open')
-            status.add('frame rate (Hz)', 'unknown' if rate_hz is None
-                       else '{:.2f}'.format(rate_hz))
-            status.add('expected rate (Hz)', '{:.2f}'.format(expected_hz) if expected_hz
-                       else 'unknown')
-            for name, count in (('frames', self.frames.total),
-                                ('failed reads', self.skipped.total),
-                                ('frames dropped', self.dropped.total),
-                                ('losses of the device', self._losses)):
-                status.add(name, str(count))
+        source, rate_hz = self._source, self._rate_hz()
+        expected_hz = source.expected_hz if source else None
+        if source is not None and source.max_hz and expected_hz:
+            expected_hz = min(expected_hz, source.max_hz)
+        status.summary(*self._summary(rate_hz, expected_hz))
+        status.add('device', self._device)
+        status.add('format', source.description if source else 'not open')
+        status.add('frame rate (Hz)', 'unknown' if rate_hz is None else '{:.2f}'.format(rate_hz))
+        status.add('expected rate (Hz)', '{:.2f}'.format(expected_hz) if expected_hz
+                   else 'unknown')
+        for name, count in (('frames', self.frames.total), ('failed reads', self.skipped.total),
+                            ('frames dropped', self.dropped.total),
+                            ('losses of the device', self._losses)):
+            status.add(name, str(count))
         status.add('last failed read', self.skipped.last_reason)
         add_durations(status, 'age of a frame', self.ages)
         add_durations(status, 'publishing a frame', self.publishing)
@@ -83,8 +74,9 @@ class CameraDiagnostics:
                  expected_hz: Optional[float]) -> Tuple[int, str]:
         if not self._active:
             return DiagnosticStatus.OK, 'suspended'
-        if self._lost is not None:
-            return DiagnosticStatus.ERROR, '{}; connect the camera again'.format(self._lost)
+        lost = self._lost       # another thread may change it
+        if lost is not None:
+            return DiagnosticStatus.ERROR, '{}; connect the camera again'.format(lost)
         if rate_hz is None:
             return DiagnosticStatus.OK, 'starting'
         if rate_hz == 0:

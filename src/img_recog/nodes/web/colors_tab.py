@@ -32,6 +32,11 @@ TEXTS = {
     'no_recognition': ('The node color_extract does not answer.',
                        'ノード color_extract が応答しません。'),
     **sample_card.TEXTS}
+# of each color: the end of the parameter's name, the least and greatest value, and the step
+_SLIDERS = (
+    ('hue_min', 0, 180, 1), ('hue_max', 0, 180, 1), ('saturation_min', 0, 255, 1),
+    ('saturation_max', 0, 255, 1), ('value_min', 0, 255, 1), ('value_max', 0, 255, 1),
+    ('area_limit', 0, 20000, 50), ('linear_x', -10, 10, 0.01), ('angular_z', -3, 3, 0.05))
 
 
 class ColorChanges:
@@ -132,7 +137,8 @@ class ColorsTab:
                 for touch in ('pointerdown', 'focusin'):
                     section.on(touch, partial(self._choice.set_value, name), args=[])
                 with section, ui.element('div').classes('sliders'):
-                    self._color(name, values)
+                    for part, low, high, step in _SLIDERS:
+                        self._slider(name, part, low, high, step, values)
             with ui.element('div').classes('samples at-hand'):
                 button('save', self._t('save'), self._save)
                 button('undo', self._t('undo'), self._changes.take_back).bind_visibility_from(
@@ -144,24 +150,16 @@ class ColorsTab:
         for name, shown in self._masks.items():
             shown.set_visibility(name == color)
 
-    def _color(self, name: str, values: Dict[str, Any]) -> None:
-        for bound in ('hue_min', 'hue_max'):
-            self._slider(name, bound, 0, 180, 1, values, 'hue')
-        for bound in ('saturation_min', 'saturation_max', 'value_min', 'value_max'):
-            self._slider(name, bound, 0, 255, 1, values)
-        self._slider(name, 'area_limit', 0, 20000, 50, values)
-        self._slider(name, 'linear_x', -10, 10, 0.01, values)
-        self._slider(name, 'angular_z', -3, 3, 0.05, values)
-
     def _slider(self, color: str, part: str, low: float, high: float, step: float,
-                values: Dict[str, Any], classes: str = '') -> None:
+                values: Dict[str, Any]) -> None:
         parameter, title = '{}_{}'.format(color, part), self._t(part)
         is_whole = isinstance(values[parameter], int)
 
         def change(value: float) -> None:
             self._changes.move(parameter, int(value) if is_whole else float(value))
         self._sliders[parameter] = Slider(title, low, high, step, values[parameter], change,
-                                          classes, '{}: {}'.format(color, title))
+                                          'hue' if part.startswith('hue') else '',
+                                          '{}: {}'.format(color, title))
 
     async def _on_mark(self, event: Any) -> None:
         place = numbers(event, 'x', 'y', 'width', 'height') or numbers(event, 'x', 'y')

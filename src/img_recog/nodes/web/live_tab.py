@@ -175,13 +175,14 @@ class LiveTab:
                 ui.label(self._t('measured_factor') + ': ').style('display: inline')
                 ui.label('').props('data-bind=factor').style('display: inline')
             # without a value until the simulator has told it
-            self._factor = ui.select(
-                self._factors(_FACTORS), label=self._t('factor'),
-                on_change=self._on_factor).props('dense options-dense').style('width: 100%')
-            self._view = ui.select(
-                {'above': self._t('above'), 'follow': self._t('follow')},
-                label=self._t('viewpoint'), on_change=self._on_view).props(
-                    'dense options-dense').style('width: 100%')
+            self._factor = self._choice('real_time_factor', 'factor', self._factors(_FACTORS))
+            self._view = self._choice('view', 'viewpoint', {
+                'above': self._t('above'), 'follow': self._t('follow')})
+
+    def _choice(self, parameter: str, label: str, options: Dict[Any, str]) -> ui.select:
+        """Add a choice of the value of a parameter of the simulator."""
+        return ui.select(options, label=self._t(label), on_change=partial(
+            self._change, parameter)).props('dense options-dense').style('width: 100%')
 
     def _factors(self, values: Iterable[float]) -> Dict[float, str]:
         """Return the texts of real time factors, the highest last."""
@@ -214,10 +215,6 @@ class LiveTab:
                 local_file=picture, max_cache_age=0))
             self._drive_picture.set_visibility(True)
 
-    def _on_factor(self, event: Any) -> None:
-        if event.value not in (None, self._shared.simulator.values().get('real_time_factor')):
-            self._shared.simulator.change(real_time_factor=float(event.value))
-
-    def _on_view(self, event: Any) -> None:
-        if event.value not in (None, self._shared.simulator.values().get('view')):
-            self._shared.simulator.change(view=event.value)
+    def _change(self, parameter: str, event: Any) -> None:
+        if event.value not in (None, self._shared.simulator.values().get(parameter)):
+            self._shared.simulator.change(**{parameter: event.value})

@@ -3,23 +3,6 @@ from img_recog.nodes.web import updates as module
 from img_recog.nodes.web.updates import Updates
 
 
-def test_events_are_sent_once_and_states_when_they_change():
-    updates = Updates()
-    updates.add('asked', 1)
-    updates.set('pose', [0, 0])
-    updates.set('pose', [1, 0])
-    cursor, first = updates.since(None)
-    assert first == {'asked': [1], 'pose': [1, 0]}
-    assert updates.since(cursor) == (cursor, {})
-    updates.add('asked', 2)
-    updates.add('asked', 3)
-    updates.set('pose', [2, 0])
-    second, found = updates.since(cursor)
-    assert found == {'asked': [2, 3], 'pose': [2, 0]}
-    assert updates.since(None)[1] == {'asked': [1, 2, 3], 'pose': [2, 0]}
-    assert second > cursor
-
-
 def test_old_events_and_too_many_states_are_dropped(monkeypatch):
     monkeypatch.setattr(module, 'MAX_STATES', 2)
     updates = Updates()
