@@ -1,11 +1,9 @@
 """What the whole demo costs with a camera on the robot, in real time."""
-import os
-import sys
 import time
 from typing import Dict
 
 from pairs import Benchmark, Column, each
-from ros_processes import HERE, Master, cpu_s, descendants, wait_for
+from ros_processes import Master, cpu_s, descendants, wait_for
 
 SECONDS, VIEW = 10.0, '/gazebo/view/image_raw'
 # words in the command line of a process, and what it is counted as
@@ -38,8 +36,7 @@ def demo(camera: str, is_viewed: bool = False) -> Dict[str, float]:
                               'world:=color_posts', 'gui:=false', 'image_view:=false')
         wait_for(lambda: '/cmd_vel' in dict(master.server.getPublishedTopics('')), 'the demo')
         if is_viewed:
-            master.start(sys.executable, os.path.join(HERE, 'watch_images.py'), VIEW)
-            wait_for(lambda: VIEW in dict(master.server.getSystemState()[1]), 'the viewer')
+            master.watch(VIEW)
         time.sleep(SECONDS / 2)         # what it does once
         before, begin_s = cpu_of_all(master.pid, launch.pid), time.perf_counter()
         time.sleep(SECONDS)

@@ -12,7 +12,7 @@ from nav_msgs.msg import Odometry
 from ros_processes import wait_for
 
 
-def main() -> int:
+def main() -> None:
     """Measure."""
     end_s = float(sys.argv[1])
     rospy.init_node('lockstep_sample', disable_rostime=True)
@@ -26,8 +26,7 @@ def main() -> int:
     wait_for(lambda: times and times[-1][0] >= times[0][0] + end_s, 'simulated time', 0.001)
     sys.stdout.write(json.dumps({
         'wall_s': times[-1][1] - times[0][1], 'commands': len(commands)}) + '\n')
-    return 0
 
 
 if __name__ == '__main__':
-    sys.exit(main())
+    main()

@@ -5,7 +5,7 @@ from functools import partial
 from typing import Callable, Dict, Optional
 
 from pairs import Benchmark, Column
-from ros_processes import HERE, PACKAGE, Master, installed, run_script, wait_for
+from ros_processes import PACKAGE, Master, installed, run_script
 
 TURNS, SECONDS = 3, 1.0         # turns of each node per round, seconds per turn
 SIZES = ((640, 480), (1920, 1080))
@@ -23,11 +23,7 @@ def script(*path: str, env: Optional[Dict[str, str]] = None) -> Callable[
         process = master.start(sys.executable, os.path.join(PACKAGE, *path),
                                '__ns:=/' + name, env=env)
         if viewed:
-            images = ['/{}/{}'.format(name, image) for image in IMAGES]
-            master.start(sys.executable, os.path.join(HERE, 'watch_images.py'), *images,
-                         '__ns:=/' + name)
-            wait_for(lambda: {topic for topic, _ in master.server.getSystemState()[1]}
-                     >= set(images), 'the viewers')
+            master.watch(*('/{}/{}'.format(name, image) for image in IMAGES))
         return COMMAND_TOPICS, [process.pid]
     return start
 

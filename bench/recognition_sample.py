@@ -124,7 +124,7 @@ def highest(sender: Sender, results: Results, seconds: float) -> dict:
     return {'rate_hz': rate_hz}
 
 
-def main() -> int:
+def main() -> None:
     """Sample KIND WIDTH HEIGHT TURNS SECONDS RATES NODES.
 
     KIND: of the images, one of pictures.KINDS. RATES: 1 to measure the highest rates too, or 0.
@@ -150,8 +150,7 @@ def main() -> int:
         for name, (sender, results) in ends.items():
             samples[name][turn].update(highest(sender, results, seconds))
     sys.stdout.write(json.dumps(samples) + '\n')
-    return 0
 
 
 if __name__ == '__main__':
-    sys.exit(main())
+    main()

@@ -68,6 +68,12 @@ class Master:
         return self.start(sys.executable, os.path.join(PACKAGE, 'scripts', name), *arguments,
                           **options)
 
+    def watch(self, *topics: str) -> None:
+        """Subscribe to images in another process; return when it has."""
+        self.start(sys.executable, os.path.join(HERE, 'watch_images.py'), *topics,
+                   '__name:=watch' + '_'.join(topics).replace('/', '_'))
+        wait_for(lambda: set(topics) <= set(dict(self.server.getSystemState()[1])), 'the viewers')
+
     def start_simulator(self, env: Optional[Dict[str, str]] = None, **parameters: Any) -> int:
         """Start the simulator with the burger; return its process id when it publishes."""
         with open(os.path.join(PACKAGE, 'urdf', 'turtlebot3_burger.urdf')) as file:
