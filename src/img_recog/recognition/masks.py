@@ -8,8 +8,8 @@ from img_recog.recognition.candidates import CELL, GROUP, GROUP_PX, MIN_SAVED, S
 from img_recog.recognition.recognition_settings import Color
 
 # Pixels that are processed at a time, so that the intermediate arrays stay in the CPU cache. In a
-# large image more of them, because each strip costs as much Python.
-_MIN_STRIP_PX, _MAX_STRIP_PX, _STRIPS = 1 << 17, 1 << 18, 8
+# large image more of them, because each strip costs as much Python: 640x480 are two strips.
+_MIN_STRIP_PX, _MAX_STRIP_PX, _STRIPS = 160000, 1 << 18, 8
 _FRAMES_WITHOUT_SEARCH = 15     # after a search that saved too little
 # of the groups of an image: to copy more of them takes longer than to copy the whole image
 _MAX_SHARE_INSIDE = 0.1

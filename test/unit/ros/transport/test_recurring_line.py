@@ -118,12 +118,16 @@ def test_a_closed_topic_does_not_reach_the_caller(setup, monkeypatch):
     assert 'a line' in setup.written()
 
 
-def test_topics_are_left_out_on_request(setup, monkeypatch):
-    monkeypatch.setattr(rosout.registration, 'get_topic_manager',
-                        lambda: SimpleNamespace(get_topics=lambda: ['/cmd_vel']))
+def test_topics_are_those_of_the_node_now_and_left_out_on_request(setup, monkeypatch):
+    manager = SimpleNamespace(get_topics=lambda: manager.topics, topics=['/cmd_vel'])
+    monkeypatch.setattr(rosout.registration, 'get_topic_manager', lambda: manager)
     node = Node()
     monkeypatch.setattr(rospy, 'get_param', lambda name, default: True)
     other = Node()
-    node.handle('named')
-    other.handle('not named')
-    assert [msg.topics for msg in setup.sent] == [['/cmd_vel'], []]
+    for topics in (['/cmd_vel'], ['/cmd_vel', '/rosout'], []):
+        manager.topics = topics
+        node.handle('named')
+        other.handle('not named')
+    assert [(msg.msg, msg.topics) for msg in setup.sent] == [
+        ('named', ['/cmd_vel']), ('not named', []), ('named', ['/cmd_vel', '/rosout']),
+        ('not named', []), ('named', []), ('not named', [])]
