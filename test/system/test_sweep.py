@@ -115,11 +115,7 @@ def test_a_run_without_a_result_is_named_and_the_exit_code_says_so(sweep, tmp_pa
     assert '- light=dark#2: the world has no model nothing; it has field, field::south' in report
 
 
-@pytest.mark.parametrize('changes, words', [
-    ({'world': 'mars'}, 's.yaml: world: no file '),
-    ({'runs': '2000000'}, 's.yaml: 4000000 runs, allowed are 1000000; set runs to less'),
-    ({'time_limit': '-1'}, 's.yaml: time_limit: got -1.0, allowed is a finite number above 0')])
-def test_what_is_refused_is_one_line(sweep, tmp_path, changes, words):
-    code, output = sweep('--jobs', '1', **changes)
-    assert code == 1 and re.search('^sweep.py: error: ' + words, output) and '\n' not in output
-    assert os.listdir(str(tmp_path)) == ['s.yaml']
+def test_what_is_refused_is_one_line(sweep, tmp_path):
+    code, output = sweep('--jobs', '1', world='mars')
+    assert code == 1 and re.search('^sweep.py: error: s.yaml: world: no file ', output)
+    assert '\n' not in output and os.listdir(str(tmp_path)) == ['s.yaml']

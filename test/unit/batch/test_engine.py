@@ -3,6 +3,7 @@ import argparse
 import contextlib
 import os
 import pickle
+import signal
 import socket
 from typing import Any, NamedTuple
 
@@ -14,6 +15,7 @@ from distributed import Client
 from img_recog.batch import work_folder
 from img_recog.batch.engine import Engine
 from img_recog.batch.work import Piece
+from img_recog.processes import signals
 from img_recog.processes.signals import Interrupts
 from img_recog_helpers import batch_work
 from img_recog_helpers.refusals import refusal
@@ -83,7 +85,8 @@ def test_a_library_that_crashes_takes_nothing_with_it_and_its_file_is_named(
         path.touch()
     pieces = [Piece(path.name, (number,), (str(path),)) for number, path in enumerate(paths)]
     # as on a busy machine, where a process takes longer to start again than Dask waits
-    with dask.config.set({'distributed.deploy.lost-worker-timeout': '1ms'}):
+    with dask.config.set({'distributed.deploy.lost-worker-timeout': '1ms',
+                          'distributed.scheduler.allowed-failures': 1}):
         found = run(batch_work.crashes, pieces, jobs=2)
     assert [each.value for each in found] == [0, 1, 2, None, 4, 5, 6, 7]
     assert found[3].problem == (
@@ -118,20 +121,30 @@ def test_without_resume_all_is_done_again(run, tmp_path):
     assert (tmp_path / '0').read_text() == 'xx'
 
 
-def test_the_processes_stay_for_more_pieces(tmp_path, handlers_as_before):
-    with started(tmp_path, jobs=3) as engine:
-        # others: these would be known from the stage before
-        found = [{pid for _, pid in engine.run(batch_work.process, numbers(seconds, count=count))}
-                 for seconds, count in ((0.3, 2), (0.31, 6))]
-    assert len(found[0]) == 2 and found[0] < found[1] and len(found[1]) == 3
-    assert os.getpid() not in found[1]
+@pytest.fixture(scope='module')
+def processes(tmp_path_factory):
+    """An Engine with two processes for all tests, and where these listen."""
+    handlers = {signum: signal.getsignal(signum) for signum in signals.ENDING}
+    before = listening()
+    with started(tmp_path_factory.mktemp('processes'), jobs=2) as engine:
+        engine.run(batch_work.square, numbers())
+        yield engine, listening() - before
+    for signum, handler in handlers.items():
+        signal.signal(signum, handler)
 
 
-def test_workers_use_freed_memory_again_and_keep_few_records(tmp_path, handlers_as_before):
-    with started(tmp_path, jobs=2) as engine:
-        faults, records = ([value for _, value in engine.run(function, pieces)]
-                           for function, pieces in ((batch_work.page_faults, numbers(100)),
-                                                    (batch_work.records, numbers(count=90))))
+def test_the_processes_stay_for_more_pieces(processes):
+    # others: these would be known from the stage before
+    first, second = ({pid for _, pid in processes[0].run(
+        batch_work.process, numbers(seconds, count=count))}
+        for seconds, count in ((0.3, 2), (0.31, 6)))
+    assert len(first) == 2 and first == second and os.getpid() not in first
+
+
+def test_workers_use_freed_memory_again_and_keep_few_records(processes):
+    faults, records = ([value for _, value in processes[0].run(function, pieces)]
+                       for function, pieces in ((batch_work.page_faults, numbers(100)),
+                                                (batch_work.records, numbers(count=90))))
     assert max(faults) < 3000       # 25000 if each of the 100 buffers of 1 MB is mapped anew
     assert max(records) == 100      # 400 of what 45 pieces did
 
@@ -171,13 +184,15 @@ def test_pieces_of_one_key_are_known_by_their_values(run):
     assert [each.value for each in run(batch_work.square, pieces)] == [4, 9, 4]
 
 
-@pytest.mark.parametrize('jobs', [1, 2])
-def test_a_problem_names_its_own_file_among_those_of_equal_content(run, tmp_path, jobs):
+def test_a_problem_names_its_own_file_among_those_of_equal_content(run, processes, tmp_path):
     paths = [str(tmp_path / name) for name in ('a.bag', 'b.bag')]
     for path in paths:
         open(path, 'w').close()
-    found = run(batch_work.refused, [Piece(path, (), (path,)) for path in paths], jobs=jobs)
-    assert [each.problem for each in found] == ['cannot read ' + path for path in paths]
+    pieces, engine = [Piece(path, (), (path,)) for path in paths], processes[0]
+    engine.run(batch_work.refused, pieces)
+    expected = ['cannot read ' + path for path in paths]
+    assert [each.problem for each in run(batch_work.refused, pieces)] == expected
+    assert [engine.problems[path] for path in paths] == expected
 
 
 def kept(tmp_path):
@@ -246,11 +261,8 @@ def answers(address, port):
             yield b'a client'
 
 
-def test_workers_listen_on_the_loopback_alone_and_to_this_user_alone(tmp_path, handlers_as_before):
-    before = listening()
-    with started(tmp_path, jobs=2) as engine:
-        engine.run(batch_work.square, numbers())
-        found = listening() - before
-        assert len(found) >= 5 and {address for address, _ in found} == {'127.0.0.1'}
-        for address, port in found:
-            assert not [each for each in answers(address, port) if each in (b'HTTP', b'a client')]
+def test_workers_listen_on_the_loopback_alone_and_to_this_user_alone(processes):
+    _, found = processes
+    assert len(found) >= 5 and {address for address, _ in found} == {'127.0.0.1'}
+    for address, port in found:
+        assert not [each for each in answers(address, port) if each in (b'HTTP', b'a client')]

@@ -82,6 +82,8 @@ def test_files_begin_in_the_folder_of_the_sweep(read, tmp_path):
     ({'light': LIGHTS}, {'cells': ['lihgt']}, 'did you mean light?'),
     ({'x_pos': 'left'}, {}, "x_pos: got 'left', allowed is a finite number from -1000 to 1000"),
     ({}, {'runs': 0}, 'runs: got 0, allowed is a whole number from 1'),
+    ({}, {'time_limit': -1}, 'time_limit: got -1.0, allowed is a finite number above 0'),
+    ({'x_pos': [1, 2]}, {'runs': 500001}, 'yaml: 1000002 runs, allowed are 1000000; set runs to'),
     ({'x_pos': {'from': 2, 'to': 1}}, {}, 'expected two numbers, the lower one first'),
     ({'camera_width': {'from': 20, 'to': 30}}, {}, 'expected two numbers'),
     ({'x_pos': [1, 2, 1.0]}, {}, 'x_pos: 1.0 is given twice'),
