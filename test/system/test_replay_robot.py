@@ -38,23 +38,6 @@ def rows(folder):
         return list(csv.DictReader(file))
 
 
-def without_durations(line):
-    """Return a summary without how long it took."""
-    short = re.sub(r'simulated in .* world and plot\)', 'simulated', line)
-    assert short != line
-    return short
-
-
-def test_two_runs_write_the_same_bytes(replay, tmp_path):
-    options = ('--seconds', '3', '--colors', FOLLOW)
-    line = replay(*options)
-    first = contents(tmp_path)
-    assert list(first) == FILES
-    assert line.startswith('91 frames, 3.003 s simulated in ')
-    assert without_durations(replay(*options)) == without_durations(line)
-    assert contents(tmp_path) == first
-
-
 def test_the_function_in_the_documentation_drives_in_place_of_the_colors(replay, tmp_path):
     with open(os.path.join(ROOT, 'doc', 'replay.md')) as page:
         code = re.search(r'    import cv2\n(?:(?: {4}.*)?\n)+', page.read()).group()

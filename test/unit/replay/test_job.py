@@ -199,8 +199,11 @@ def test_a_function_in_place_of_the_colors(run, make_video, tmp_path, monkeypatc
     ('a --calibration c', '--calibration is for --recognize, which is missing'),
     ('--camera robot --recognize m:f --calibration c', '--calibration is for a recording, and '
      '--camera robot has its own one'),
-    ('video.avi --recognize m:f --calibration none.yaml', '--calibration: no file none.yaml')])
-def test_options_that_make_no_sense_together(run, make_video, caplog, arguments, line):
+    ('video.avi --recognize m:f --calibration none.yaml', '--calibration: no file none.yaml'),
+    ('video.avi --topic /eye', 'cannot read video.avi: --topic is for a bag, and it is not a bag'),
+    ('video.avi --output no/such', 'cannot write no/such.bag: no such file or directory; set '
+     '--output to a folder or the beginning of a path where files can be written')])
+def test_options_that_make_no_sense(run, make_video, tmp_path, caplog, arguments, line):
     make_video()
     assert run(*arguments.split())[:2] == (1, '')
-    assert caplog.messages == [line]
+    assert caplog.messages == [line] and os.listdir(str(tmp_path)) == ['video.avi']

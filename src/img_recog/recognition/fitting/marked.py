@@ -161,18 +161,21 @@ def write(marked: Marked, folder: str) -> None:
     """Write all pictures with samples, and the file of the samples, to an empty folder."""
     os.mkdir(os.path.join(folder, _MASKS))
     entries: List[Dict[str, Any]] = []
+    contents: Dict[str, bytes] = {}
     for each in marked.samples:
         entries.append({'recording': each.picture, 'color': each.color})
+        contents[each.picture] = marked.pictures[each.picture]
         if each.mask:
             entries[-1]['mask'] = '{}/{}.png'.format(_MASKS, each.number)
-            _write(os.path.join(folder, entries[-1]['mask']), each.mask)
+            contents[entries[-1]['mask']] = each.mask
         else:
             entries[-1]['rectangle'] = list(each.rectangle)
-    for picture in {each.picture for each in marked.samples}:
-        _write(os.path.join(folder, picture), marked.pictures[picture])
-    _write(os.path.join(folder, SAMPLES_FILE), yaml.safe_dump(
+    contents[SAMPLES_FILE] = yaml.safe_dump(
         {'unlabeled': OTHER if marked.rest_is_none else IGNORED, 'samples': entries},
-        sort_keys=False, default_flow_style=None).encode())
+        sort_keys=False, default_flow_style=None).encode()
+    for name, content in contents.items():
+        with open(os.path.join(folder, name), 'wb') as file:
+            file.write(content)
 
 
 def _with_sample(marked: Marked, picture: str, color: str, area_px: int,
@@ -223,8 +226,3 @@ def _as_png(image: np.ndarray) -> bytes:
 
 def _decoded(png: bytes) -> np.ndarray:
     return cv2.imdecode(np.frombuffer(png, np.uint8), cv2.IMREAD_UNCHANGED)
-
-
-def _write(path: str, data: bytes) -> None:
-    with open(path, 'wb') as file:
-        file.write(data)

@@ -70,8 +70,7 @@ class _Reader:
         """Return the name of the recording of entry `number`, and its region or range."""
         name = 'entry {}'.format(number)
         if not isinstance(value, dict):
-            raise self._error(name, 'got {}, expected lines like color: red and frame: 3'.format(
-                shortened(repr(value))))
+            raise self._refused(name, '', value, 'lines like color: red and frame: 3')
         _check_names(self._path, name, value, _FIELDS)
         given = [field for field in (*_SHAPES, *_TIMES) if field in value]
         if len(given) != 1:
@@ -79,15 +78,13 @@ class _Reader:
                 ' and '.join(given) or 'none', ', '.join((*_SHAPES, *_TIMES))))
         recording = value.get('recording', '')
         if not isinstance(recording, str):
-            raise self._error(name, 'recording: got {}, expected the name of a file'.format(
-                shortened(repr(recording))))
+            raise self._refused(name, 'recording', recording, 'the name of a file')
         color, kind = self._color(name, value.get('color')), given[0]
         if kind in _TIMES:
             return recording, self._range(name, color, kind, value)
         frame = value.get('frame', 0)
         if not _is_number(frame, int) or frame < 0:
-            raise self._error(name, 'frame: got {}, expected a whole number from 0'.format(
-                shortened(repr(frame))))
+            raise self._refused(name, 'frame', frame, 'a whole number from 0')
         if kind == 'mask':
             return recording, Region(name, color, frame, (), self._mask(name, value[kind]))
         return recording, Region(name, color, frame,
@@ -99,8 +96,8 @@ class _Reader:
                 return str(color)
             color, = color_names([color])
         except SettingError:
-            raise self._error(name, 'color: got {}, expected the name of a color, {} or {}'
-                              .format(shortened(repr(color)), NO_COLOR, IGNORED))
+            raise self._refused(name, 'color', color, 'the name of a color, {} or {}'.format(
+                NO_COLOR, IGNORED))
         if self.colors and color not in self.colors:
             raise self._error(name, 'there is no color {}, the colors are {}'.format(
                 shortened(color), ', '.join(self.colors)))
@@ -113,14 +110,12 @@ class _Reader:
         if not (isinstance(times, list) and len(times) == 2
                 and all(_is_number(time, (int, float)) for time in times)
                 and 0 <= times[0] < times[1]):
-            raise self._error(name, '{}: got {}, expected [start, end] in s, 0 or more'.format(
-                kind, shortened(repr(times))))
+            raise self._refused(name, kind, times, '[start, end] in s, 0 or more')
         return TimeRange(name, color, float(times[0]), float(times[1]), kind == 'in_view')
 
     def _mask(self, name: str, mask: Any) -> bytes:
         if not isinstance(mask, str) or not mask.lower().endswith('.png'):
-            raise self._error(name, 'mask: got {}, expected the path of a PNG'.format(
-                shortened(repr(mask))))
+            raise self._refused(name, 'mask', mask, 'the path of a PNG')
         path = os.path.join(os.path.dirname(os.path.abspath(self._path)),
                             os.path.expanduser(mask))
         try:
@@ -131,14 +126,16 @@ class _Reader:
     def _outline(self, name: str, kind: str, value: Any) -> Tuple[Tuple[float, float], ...]:
         if kind == 'rectangle':
             if not (_are_numbers(value, 4) and value[2] > 0 and value[3] > 0):
-                raise self._error(name, 'rectangle: got {}, expected [left, top, width, height] '
-                                  'in pixels'.format(shortened(repr(value))))
+                raise self._refused(name, kind, value, '[left, top, width, height] in pixels')
             return corners(*value)
         if not (isinstance(value, list) and len(value) >= 3
                 and all(_are_numbers(corner, 2) for corner in value)):
-            raise self._error(name, 'polygon: got {}, expected three or more corners [x, y] in '
-                              'pixels'.format(shortened(repr(value))))
+            raise self._refused(name, kind, value, 'three or more corners [x, y] in pixels')
         return tuple((x, y) for x, y in value)
+
+    def _refused(self, name: str, field: str, got: Any, expected: str) -> SampleError:
+        return self._error(name, '{}got {}, expected {}'.format(
+            field and field + ': ', shortened(repr(got)), expected))
 
     def _error(self, name: str, problem: str) -> SampleError:
         return SampleError('{}: {}: {}'.format(self._path, name, problem))
