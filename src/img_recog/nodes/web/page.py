@@ -91,7 +91,7 @@ class _Page:
 
     def _watch(self, is_watched: bool) -> None:
         for tuning in (self._robot.colors, self._visit.shared.simulator):
-            tuning.watch(self, is_watched)
+            tuning.watch_for(self, is_watched)
 
     def _poll(self) -> None:
         """Show what other pages and nodes have changed."""

@@ -1,21 +1,20 @@
 """Changes parameters of other nodes by dynamic_reconfigure, without waiting for them."""
-import contextlib
 import threading
 import time
-from typing import Any, Callable, Dict, List, Mapping, Optional, Set
+from typing import Any, Callable, Dict, List, Mapping, Set
 
 import rospy
 import yaml
-from dynamic_reconfigure import DynamicReconfigureCallbackException
-from dynamic_reconfigure.client import Client
+from dynamic_reconfigure.encoding import decode_config, encode_config
+from dynamic_reconfigure.msg import Config
+from dynamic_reconfigure.srv import Reconfigure
 
 from img_recog import files
 from img_recog.errors import UserError, one_line
+from img_recog.nodes.web.measurements import WatchedTopics
 from img_recog.recognition import parameter_file
 from img_recog.ros import parameters
-from img_recog.ros.master import master
 
-CONNECT_TIMEOUT_S = 2.0
 RETRY_PERIOD_S = 1.0
 ANSWER_TIMEOUT_S, _POLL_S = 10.0, 0.05
 FOLDER_ADVICE = 'start it in a folder where files can be written'
@@ -23,33 +22,31 @@ _FIRST = '_hue_min'             # each color has it
 saving = threading.Lock()       # of all robots: a name is free until its file is there
 
 
-class Tuning:
+class Tuning(WatchedTopics):
     """Parameters of a node that can be changed while it runs.
 
-    It connects while somebody looks, from a separate thread, which also sends what is changed: of
-    several changes of a parameter that wait, the last one is sent.
+    It listens while somebody looks. Another thread sends what is changed: of several changes of a
+    parameter that wait, the last one is sent.
     """
 
     def __init__(self, node: str):
         """Do nothing yet; node: the resolved name of the node."""
+        super().__init__()
         self.node = node
+        self._topics = [(node + '/parameter_updates', Config, self._received)]
+        self._call = rospy.ServiceProxy(node + '/set_parameters', Reconfigure)
         self._is_told = False       # that the node does not answer
-        self._condition = threading.Condition()
-        self._watching: Set[object] = set()
-        self._thread: Optional[threading.Thread] = None
+        self._pages: Set[object] = set()
+        self._waiting = threading.Lock()        # of the next two
         self._changes: Dict[str, Any] = {}
         self._is_sending = False
         self._values: Dict[str, Any] = {}
         self.revision = 0
 
-    def watch(self, page: object, is_watched: bool) -> None:
-        """Connect for a page, or disconnect after the last one, soon and in another thread."""
-        with self._condition:
-            (self._watching.add if is_watched else self._watching.discard)(page)
-            if self._watching and self._thread is None:
-                self._thread = threading.Thread(target=self._run, daemon=True)
-                self._thread.start()
-            self._condition.notify()
+    def watch_for(self, page: object, is_watched: bool) -> None:
+        """Listen for a page, or end it after the last one, soon and in another thread."""
+        (self._pages.add if is_watched else self._pages.discard)(page)
+        self.watch(bool(self._pages))
 
     def values(self) -> Dict[str, Any]:
         """Return the values of all parameters; empty as long as the node does not answer.
@@ -60,79 +57,42 @@ class Tuning:
 
     def change(self, **values: Any) -> None:
         """Change parameters, soon and in another thread."""
-        with self._condition:
+        with self._waiting:
             self._changes.update(values)
-            self._condition.notify()
+            if not self._is_sending:
+                self._is_sending = True
+                threading.Thread(target=self._send, daemon=True).start()
 
     def is_settled(self) -> bool:
         """Return whether `values` has all that was changed."""
-        with self._condition:
-            return not self._changes and not self._is_sending
+        return not self._is_sending
 
-    def _run(self) -> None:
-        while self._goes_on():
+    def _send(self) -> None:
+        """Send changes until none waits; again if that fails, while somebody looks."""
+        while True:
+            with self._waiting:
+                changes, self._changes = self._changes, {}
+                if not changes or rospy.is_shutdown():
+                    self._is_sending = False
+                    return
             try:
-                # closed before the next one is made: rospy sends no latched messages to a second
-                # subscriber of a process
-                with contextlib.closing(self._connect()) as client:
-                    self._is_told = False
-                    while self._is_wanted():
-                        self._send(client)
-            except Exception as error:      # rospy raises more than it documents
-                if not self._is_told and self._is_there():
-                    rospy.logwarn('the parameters of %s: %s', self.node, one_line(error))
+                self._received(self._call(encode_config(changes)).config)
+                self._is_told = False
+            except (rospy.ServiceException, rospy.ROSException, OSError) as error:
+                if not self._is_told:
                     self._is_told = True
-                with self._condition:
-                    self._condition.wait_for(lambda: not self._watching, RETRY_PERIOD_S)
+                    rospy.logwarn('the parameters of %s: %s', self.node, one_line(error))
+                time.sleep(RETRY_PERIOD_S)
+                with self._waiting:     # one that could not be sent must not come much later
+                    if self._pages:
+                        self._changes = {**changes, **self._changes}
 
-    def _is_there(self) -> bool:
-        """Return whether the master knows the node; a demo can be without recognition."""
-        with contextlib.suppress(OSError):
-            return master.calls().ask('lookupNode', self.node) is not None
-        return False
+    def _forget(self) -> None:
+        super()._forget()
+        self._values = {}
 
-    def _is_wanted(self) -> bool:
-        return bool(self._watching) and not rospy.is_shutdown()
-
-    def _goes_on(self) -> bool:
-        """Return whether the thread is still needed; if not, the next `watch` starts another."""
-        with self._condition:
-            if not self._is_wanted():
-                # a change that could not be sent must not come much later
-                self._thread, self._values, self._changes = None, {}, {}
-            return self._thread is not None
-
-    def _connect(self) -> Client:
-        # update_configuration would wait for ever without descriptions, and would not know the
-        # parameters of those that are being read: the callback comes at their end
-        described = threading.Event()
-        client = Client(self.node, timeout=CONNECT_TIMEOUT_S, config_callback=self._received,
-                        description_callback=lambda _: described.set())
-        if not described.wait(CONNECT_TIMEOUT_S):
-            client.close()
-            raise rospy.ROSException('no descriptions came')
-        return client
-
-    def _send(self, client: Client) -> None:
-        """Send the changes that wait, or wait for some."""
-        with self._condition:
-            self._condition.wait_for(lambda: self._changes or not self._watching,
-                                     RETRY_PERIOD_S)
-            changes, self._changes = self._changes, {}
-            self._is_sending = bool(changes)
-        if not changes:
-            return
-        try:
-            self._received(client.update_configuration(changes))
-        except (DynamicReconfigureCallbackException, rospy.ROSException, OSError):
-            with self._condition:       # again with the next connection
-                self._changes = {**changes, **self._changes}
-            raise
-        finally:
-            self._is_sending = False
-
-    def _received(self, values: Dict[str, Any]) -> None:
-        self._values = {name: value for name, value in values.items() if name != 'groups'}
+    def _received(self, msg: Config) -> None:
+        self._values = dict(decode_config(msg))
         self.revision += 1
 
 
