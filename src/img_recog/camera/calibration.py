@@ -159,15 +159,6 @@ def save(path: str, calibration: Calibration) -> None:
             path, one_line(error.__cause__ or error)))
 
 
-def _model_of(coefficients: int) -> str:
-    """Return the model that a file which states none has, by the number of its coefficients.
-
-    camera_calibration_parsers assumes plumb_bob.
-    """
-    is_rational = coefficients in _COEFFICIENT_COUNTS['rational_polynomial']
-    return 'rational_polynomial' if is_rational else 'plumb_bob'
-
-
 def _check(calibration: Calibration) -> None:
     """Raise the problem of the first entry that is not usable."""
     for key, size in (('image_width', calibration.width), ('image_height', calibration.height)):
@@ -198,9 +189,11 @@ def _parse(content: Mapping[str, Any]) -> Calibration:
     width, height = (_entry(content, key, int, 'a whole number')
                      for key in ('image_width', 'image_height'))
     values = {field: _values(content, *matrix) for field, matrix in _MATRICES.items()}
-    model = _model_of(len(values['distortion']))
     if 'distortion_model' in content:
         model = _entry(content, 'distortion_model', str, 'a text')
+    else:       # camera_calibration_parsers assumes plumb_bob
+        is_rational = len(values['distortion']) in _COEFFICIENT_COUNTS['rational_polynomial']
+        model = 'rational_polynomial' if is_rational else 'plumb_bob'
     return Calibration(camera_name='' if name is None else str(name), width=width, height=height,
                        distortion_model=model, **values)
 
