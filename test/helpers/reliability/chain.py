@@ -97,11 +97,11 @@ class Chain:
     def __init__(self, master: str, streams: Tuple[Stream, ...] = DEMO):
         self._master, self._streams = master, streams
         self._open: Dict[Stream, wire.Subscription] = {}
-        self._reasons: Dict[Stream, str] = {}
         self._begin()
 
     def _begin(self) -> None:
         self._arrived: Dict[Stream, int] = dict.fromkeys(self._streams, 0)
+        self._reasons: Dict[Stream, str] = {}
         self._color: Optional[str] = None
         # the robot may still move by a command of before: the first color proves nothing
         self._is_first_color = True
