@@ -58,8 +58,9 @@ class _Others(Settings):
 
 
 # of the parameters of a run
-KINDS = (_Others, SpawnSettings, DriveSettings, CameraSettings, LightSettings)
-_KIND_OF = {field.name: kind for kind in KINDS for field in setting_fields(kind)}
+_KIND_OF = {field.name: kind for kind in (
+    _Others, SpawnSettings, DriveSettings, CameraSettings, LightSettings)
+            for field in setting_fields(kind)}
 
 
 class Range(NamedTuple):
@@ -165,8 +166,8 @@ def _parameters(path: str, content: Mapping[Any, Any]) -> Tuple[Values, Tuple[Ch
     for choice in choices:
         if not choice.groups:
             raise UserError('{}: {}: expected one value at least'.format(path, choice.name))
-    names = [*fixed, *(name for choice in choices for name in set().union(
-        *(group for group in choice.groups.values())))]
+    names = [*fixed, *(name for choice in choices
+                       for name in set().union(*choice.groups.values()))]
     _refuse_twice(path, names)
     _refuse_twice(path, list(map(str, content)))
     if 'goal' not in names:

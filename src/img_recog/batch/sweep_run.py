@@ -23,7 +23,6 @@ from img_recog.replay.chain import (SECOND_NS, Chain, ColorRecognition, FrameMea
 from img_recog.replay.film import Film, FilmRecorder
 from img_recog.replay.robot_frames import RobotFrames
 from img_recog.settings import from_mapping
-from img_recog.simulation.assembly import Assembly
 from img_recog.simulation.physics.footprints import footprints
 from img_recog.simulation.simulation_settings import (CameraSettings, DriveSettings, NoiseSettings,
                                                       SpawnSettings)
@@ -180,23 +179,15 @@ def _run(run: Run, success: Success, time_limit_s: float, film_file: Any) -> Res
     values = run.parameters
     built = scenario.build(*scene_of(values), from_mapping(SpawnSettings, values),
                            drive=given(DriveSettings, values), noise=NoiseSettings(run.seed))
-    try:
-        return _loop(built, run, success, time_limit_s, film_file)
-    finally:
-        built.simulator.close()     # PyBullet has room for 1024
-
-
-def _loop(built: Assembly, run: Run, success: Success, time_limit_s: float,
-          film_file: Any) -> Result:
-    values, simulator = run.parameters, built.simulator
-    camera = dataclasses.replace(scenario.camera_settings(built), **given(CameraSettings, values))
-    frames = RobotFrames(built, camera, time_limit_s, from_mapping(LightSettings, values),
-                         run.seed, _renderer())
-    settings = parameter_file.read_or_default(values.get('colors', ''))
-    judge = Judge(simulator, values['goal'], success)
-    recorders: List[Recorder] = [judge]
-    with contextlib.ExitStack() as stack:
-        film: Optional[Film] = None
+    simulator = built.simulator
+    with contextlib.closing(simulator), contextlib.ExitStack() as stack:    # room for 1024
+        camera = dataclasses.replace(scenario.camera_settings(built),
+                                     **given(CameraSettings, values))
+        frames = RobotFrames(built, camera, time_limit_s, from_mapping(LightSettings, values),
+                             run.seed, _renderer())
+        settings = parameter_file.read_or_default(values.get('colors', ''))
+        judge = Judge(simulator, values['goal'], success)
+        recorders: List[Recorder] = [judge]
         if film_file is not None:
             film = stack.enter_context(Film(film_file, settings, footprints(simulator.world)))
             recorders.append(FilmRecorder(film))
@@ -204,6 +195,6 @@ def _loop(built: Assembly, run: Run, success: Success, time_limit_s: float,
                       recorders)
         end_ns = chain.run(judge.until_over(chain.measured(frames))) + frames.period_ns
         chain.end(end_ns)
-        if film is not None:
+        if film_file is not None:
             film.close(end_ns / SECOND_NS)
     return judge.result

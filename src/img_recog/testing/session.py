@@ -4,6 +4,8 @@ rospy is initialized once in a process, with one master, so all Simulations of a
 both, one after another.
 """
 import atexit
+import contextlib
+import io
 import logging
 import os
 import sys
@@ -11,6 +13,7 @@ from typing import Any, Dict, Iterable, Optional
 
 import rosgraph
 import rosmaster.master
+import rosnode
 import rospy
 
 from img_recog.errors import UserError
@@ -72,23 +75,10 @@ class Session:
 
     def forget(self, names: Iterable[str]) -> None:
         """Have the master forget those of the nodes that were killed: they do not answer."""
-        state = self.master.state()
-        for name in names:
-            uri = self.master.ask('lookupNode', name) or ''
-            if _answers(uri):
-                continue
-            for kind, method in ((state.published, 'unregisterPublisher'),
-                                 (state.subscribed, 'unregisterSubscriber')):
-                for topic, users in kind.items():
-                    if name in users:
-                        self._of(name).ask(method, topic, uri)
-            for service, users in state.services.items():
-                if name in users:
-                    address = self.master.ask('lookupService', service) or ''
-                    self._of(name).ask('unregisterService', service, address)
-
-    def _of(self, name: str) -> Master:
-        return Master(self.uri, name, _TIMEOUT_S)
+        gone = [name for name in names
+                if not _answers(self.master.ask('lookupNode', name) or '')]
+        with contextlib.redirect_stdout(io.StringIO()):     # a line for each node
+            rosnode.cleanup_master_blacklist(rosgraph.Master('/' + _NODE), gone)
 
     def parameters(self) -> Dict[str, Any]:
         """Return all parameters, by the first part of their names."""
