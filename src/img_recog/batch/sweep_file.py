@@ -58,9 +58,8 @@ class _Others(Settings):
 
 
 # of the parameters of a run
-_KIND_OF = {field.name: kind for kind in (
-    _Others, SpawnSettings, DriveSettings, CameraSettings, LightSettings)
-            for field in setting_fields(kind)}
+KINDS = (_Others, SpawnSettings, DriveSettings, CameraSettings, LightSettings)
+_KIND_OF = {field.name: kind for kind in KINDS for field in setting_fields(kind)}
 
 
 class Range(NamedTuple):
