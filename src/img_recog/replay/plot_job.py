@@ -5,7 +5,7 @@ import logging
 import os
 import tempfile
 import time
-from typing import Iterator, List, Optional, Sequence, Tuple
+from typing import Iterator, List, Optional, Sequence
 
 import rosgraph
 from tqdm import tqdm
@@ -20,7 +20,6 @@ from img_recog.recognition import parameter_file
 from img_recog.recognition.recognition_settings import RecognitionSettings
 from img_recog.recordings.bag_file import open_bag
 from img_recog.replay import figure
-from img_recog.replay.plot_data import PlotData
 from img_recog.replay.recorded_drive import drive_of, odometry_of, topics_beside
 from img_recog.ros import timed_xmlrpc
 from img_recog.ros.timed_xmlrpc import Master
@@ -59,25 +58,16 @@ def _make(arguments: List[str], _: Interrupts) -> str:
                     settings = _running_settings(master, node) or settings
             path = stack.enter_context(_recorded(
                 topics_beside(odometry, types), options.duration))
-        data, warning = _read(path, title, odometry, options.robot, settings)
-        if warning:
-            _log.warning('the picture does not show %s', warning)
+        with open_bag(path, advice=_BAG_ADVICE) as bag:
+            types = {name: kind for name, kind, _ in sorted(bag.connections())}
+            odometry = odometry or odometry_of(types, options.robot, title)
+            data, others = drive_of(title, bag, odometry, settings.colors)
+        if others:
+            _log.warning('the picture does not show %s', others)
         figure.draw(file, 'Drive of {}, {:.1f} s'.format(title, data.end_s), data)
     return '{}: {:.1f} s, {}, {}'.format(
         output, data.end_s, counted(len(data.motion), 'pose'),
         counted(len(data.commands) + len(data.idle), 'command'))
-
-
-def _read(path: str, title: str, odometry: str, robot: str, settings: RecognitionSettings
-          ) -> Tuple[PlotData, str]:
-    """Return the data of a bag, and what is not shown of it.
-
-    title: of the bag in messages; odometry: its topic, '' to choose that of a robot.
-    """
-    with open_bag(path, advice=_BAG_ADVICE) as bag:
-        odometry = odometry or odometry_of(
-            {name: kind for name, kind, _ in sorted(bag.connections())}, robot, title)
-        return drive_of(title, bag, odometry, settings.colors)
 
 
 @contextlib.contextmanager
