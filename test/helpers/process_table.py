@@ -8,6 +8,8 @@ from typing import Dict, List, NamedTuple, Set, Tuple
 
 import psutil
 
+from img_recog_helpers.waiting import wait_for
+
 _LOOPBACK = ('127.0.0.1', '::1')
 
 
@@ -82,10 +84,14 @@ def marked(marker: str) -> Dict[int, str]:
 
 
 def end_all(marker: str) -> None:
-    """Kill all processes with this marker."""
-    for pid in marked(marker):
-        with contextlib.suppress(OSError):
-            os.kill(pid, signal.SIGKILL)
+    """Kill all processes with this marker, and what they have started meanwhile."""
+    def are_gone():
+        found = marked(marker)
+        for pid in found:
+            with contextlib.suppress(OSError):
+                os.kill(pid, signal.SIGKILL)
+        return not found
+    wait_for(are_gone, lambda: 'the end of {}'.format(marked(marker)))
 
 
 class Ports(NamedTuple):
