@@ -59,8 +59,6 @@ class Images:
         self._last_poses, self._last_poses_s = self._parts.poses(), -1.0
         self._is_view_due = False
         self._exposures = 0         # how often cameras have read; those that are read together
-        self._others_are_published = threading.Event()
-        self._others_are_published.set()
         self._drawn = self._published = 0       # of these, by the thread that publishes
 
     def add_cameras(self, vehicle: Carrier, names: Names) -> None:
@@ -165,26 +163,29 @@ class Images:
         """
         exposures = [list(same_time) for _, same_time in itertools.groupby(
             filter(self.is_camera, readings), key=lambda each: each.time_s)]
+        # of these exposures alone: earlier ones may be published while the next ones wait for them
+        others_are_published = threading.Event()
         if len(exposures) == 1:
-            self._others_are_published.clear()
             try:
-                self._expose(exposures[0])
+                self._expose(exposures[0], others_are_published)
                 publish_others()        # while the images are drawn
             finally:
-                self._others_are_published.set()
+                others_are_published.set()
         else:
             publish_others()
+            others_are_published.set()
             for exposed in exposures:
-                self._expose(exposed)
+                self._expose(exposed, others_are_published)
 
-    def _expose(self, readings: Sequence[Reading]) -> None:
+    def _expose(self, readings: Sequence[Reading], others_are_published: threading.Event) -> None:
         """Draw what cameras have read at one time."""
         if self._skips and self._process.is_busy:
             return
         topics = [self._cameras[each.robot, each.sensor][1] for each in readings]
         shots = [camera.shot(each.value) for camera, each in zip(topics, readings)]
         self._exposures += 1
-        self._draw(topics, shots, readings[0].value.poses, readings[0].time_s)
+        self._draw(topics, shots, readings[0].value.poses, readings[0].time_s,
+                   others_are_published)
 
     def update_view(self) -> None:
         """Draw the view, if it is time for an image of it and nothing else is drawn."""
@@ -194,7 +195,7 @@ class Images:
         if self._process.is_ready and self._view.take_due():
             self._is_view_due = True
             if self.is_complete() and not self._process.is_busy:
-                self._draw([], [], self._parts.poses(), self._simulator.time_s)
+                self._draw([], [], self._parts.poses(), self._simulator.time_s, None)
 
     def update_window(self) -> None:
         """Send the poses to the window, if there is one and it needs new ones."""
@@ -206,7 +207,7 @@ class Images:
             self._window = None
 
     def _draw(self, topics: Sequence[CameraTopics], shots: Sequence[Shot], poses: np.ndarray,
-              time_s: float) -> None:
+              time_s: float, others_are_published: Optional[threading.Event]) -> None:
         """Draw what cameras have read, with the view if it is due."""
         publishers: List[Union[CameraTopics, ViewTopic]] = list(topics)
         exposures = self._exposures
@@ -215,14 +216,14 @@ class Images:
             publishers, shots = [*topics, self._view], [*shots, self._view.shot(self._simulator)]
 
         def publish(pictures: Sequence[Picture]) -> None:
-            if topics:
-                self._others_are_published.wait()
+            if others_are_published is not None:
+                others_are_published.wait()
                 self._drawn = exposures
                 if self._lockstep is not None:
                     self._lockstep.notify_sent()
             for each, picture in zip(publishers, pictures):
                 each.publish(picture, time_s)
-            if topics:
+            if others_are_published is not None:
                 self._published = exposures
                 self._wake()
         self._process.draw(shots, poses, publish)

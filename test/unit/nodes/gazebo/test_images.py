@@ -10,6 +10,7 @@ from img_recog.simulation.names import Names
 from img_recog.simulation.pictures.view import ABOVE, follow, horizontal_fov
 from img_recog.simulation.simulation_settings import CameraSettings, ViewSettings
 from img_recog_helpers import robots
+from img_recog_helpers.waiting import DEADLINE_S
 
 CAMERA = CameraSettings(camera_frame='base_link', camera_width=32, camera_height=24,
                         camera_rate=50.0, camera_optical_frame='lens',
@@ -164,6 +165,22 @@ def test_an_image_is_drawn_while_others_are_published_and_follows_them(watched, 
     watched.step(20)
     threads[0].join()
     assert order == ['others', 'image']
+
+
+def test_an_image_that_is_published_late_does_not_wait_for_what_comes_with_the_next(watched):
+    watched.step(20)
+    (_, _, publish), = watched.process.requests
+
+    def draw(*_):
+        # the process takes the next request as soon as it has drawn the first one
+        late.start()
+        late.join(DEADLINE_S)
+        is_published.append(not late.is_alive())
+    late, is_published = threading.Thread(
+        target=publish, args=([('image', None)],), daemon=True), []
+    watched.process.draw = draw
+    watched.step(20)
+    assert is_published == [True]
 
 
 def test_of_several_images_none_waits_for_another(watched, publishers):
