@@ -10,7 +10,7 @@ add_dependencies(tests ${PROJECT_NAME}_video)
 set(pytest "${PYTHON_EXECUTABLE} -m pytest -p no:cacheprovider --timeout 1200")
 file(GLOB tests CONFIGURE_DEPENDS RELATIVE ${test} ${test}/system/test_*.py)
 # make starts them in this order: what takes longest first, so that no core is without work at the end
-list(INSERT tests 0 system/test_lessons.py unit unit/formats system/test_page.py system/test_testing.py system/test_run_demo.py system/test_lockstep.py system/test_demo.py system/test_sources.py system/test_hosts.py system/test_follow.py system/test_page_layout.py system/test_reliability.py system/test_driving.py system/test_workspace.py)
+list(INSERT tests 0 system/test_lessons.py unit unit/formats system/test_run.py system/test_page.py system/test_sweep.py system/test_simulator_node.py system/test_sources.py system/test_robots.py system/test_demo.py system/test_run_demo.py system/test_replay.py system/test_testing.py system/test_lockstep.py system/test_follow.py system/test_hosts.py system/test_robot_sensors.py system/test_faults.py)
 list(REMOVE_DUPLICATES tests)
 # the unit tests in two processes, since one would end last; doctest: the examples in docstrings
 set(with_formats "${test}/unit/rendering ${test}/unit/simulation")
