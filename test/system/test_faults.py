@@ -22,7 +22,8 @@ class Demo:
     def __init__(self, ros):
         self.ros = ros
         ros.start_master()
-        self.process = ros.demo()
+        # three times as many commands as the teleop sends
+        self.process = ros.demo('framerate:=30')
         self.wait('the robot drives forward')
 
     def node(self, name):
