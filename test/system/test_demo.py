@@ -24,7 +24,7 @@ def node_pids(ros):
 
 
 def test_log_and_names_are_as_expected_and_ctrl_c_ends_everything(ros):
-    demo = ros.demo('image_width:=640', 'image_height:=480', 'framerate:=30')
+    demo = ros.demo('image_width:=640', 'image_height:=480')
     demo.wait_output(r'camera: synthetic scene, 640x480, 30 Hz')
     demo.wait_output(r'(?s)blue=[1-9]\d{4}, red=0\n.*drives forward.*blue=0, red=0\n.*stands.*'
                      r'blue=0, red=[1-9]\d{4}\n.*drives backward.*blue=0, red=0\n.*stands')

@@ -22,8 +22,7 @@ class Demo:
     def __init__(self, ros):
         self.ros = ros
         ros.start_master()
-        # three times as many commands as the teleop sends
-        self.process = ros.demo('framerate:=30')
+        self.process = ros.demo()
         self.wait('the robot drives forward')
 
     def node(self, name):

@@ -34,9 +34,10 @@ def browser(folder, url, **options):
 
 @pytest.fixture(scope='module')
 def follower(tmp_path_factory):
-    """The address of the page of a demo with eight rules; a small camera is faster."""
+    """The address of the page of a demo with eight rules; few and small images are faster."""
     with demo_with_page(tmp_path_factory.mktemp('follower'), 'camera:=robot', 'teleop:=false',
                         'world:=color_posts', 'image_width:=160', 'image_height:=120',
+                        'framerate:=10',
                         'colors:=' + os.path.join(ROOT, 'config', 'follow.yaml')) as ros:
         yield ros.url
 
