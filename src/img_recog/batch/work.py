@@ -11,7 +11,7 @@ import cv2
 from img_recog.errors import UserError, named_in_crashes, one_line
 
 # Called with the paths of the files of a piece and its arguments. A function of a module: workers
-# import it.
+# import it. The type of what it returns names those of all parts, see `plain`.
 Function = Callable[..., Any]
 # llvmpipe and numpy: there are as many processes as cores; with 0, llvmpipe draws in the thread
 # that asks for it

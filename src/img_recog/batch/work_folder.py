@@ -53,6 +53,8 @@ class WorkFolder:
         """Return whether there is a result; one that is damaged is none."""
         try:
             self.read(name)
+        except UserError:
+            raise
         except Exception:       # it is missing, cut or empty: zipfile and numpy raise many types
             return False
         return True
@@ -63,14 +65,19 @@ class WorkFolder:
         try:
             for folder in (self.path, os.path.dirname(path)):
                 os.makedirs(folder, 0o700, exist_ok=True)
+                _refuse_foreign(folder)
         except OSError as error:
             raise UserError('cannot write {}: {}'.format(path, one_line(error).lower()), _ADVICE)
         with atomic_write([path], _ADVICE) as (file,):
+            os.fchmod(file.fileno(), 0o600)
             file.write(plain.dump(result))
 
     def read(self, name: str) -> Any:
         """Return the result of a piece."""
-        with open(self._path(name), 'rb') as file:
+        path = self._path(name)
+        for each in (os.path.dirname(path), path):
+            _refuse_foreign(each)
+        with open(path, 'rb') as file:
             return plain.load(file.read(), self._kind)
 
     def count(self) -> int:

@@ -221,7 +221,12 @@ def test_a_damaged_result_is_made_again(interrupted, tmp_path, damage):
 
 
 def test_results_are_of_this_user_alone(interrupted, tmp_path):
-    assert (tmp_path / 'x.work').stat().st_mode & 0o77 == 0
+    for path in (tmp_path / 'x.work', *(tmp_path / 'x.work').glob('**/*')):
+        assert path.stat().st_mode & 0o77 == 0
+
+
+def open_to_all(path):
+    path.chmod(0o777)
 
 
 def linked(path):
@@ -229,15 +234,27 @@ def linked(path):
     path.symlink_to(path.with_name('elsewhere'))
 
 
+def given_away(path):
+    os.chown(str(path), 65534, 65534)
+
+
 @pytest.mark.parametrize('change, why', [
-    (lambda path: path.chmod(0o770), 'others can write it'), (linked, 'it is a link'),
-    (lambda path: os.chown(str(path), 65534, 65534), 'it belongs to another user')])
-def test_what_others_may_have_put_there_is_refused(interrupted, tmp_path, change, why):
-    if 'user' in why and os.geteuid() != 0:
-        pytest.skip('only root gives folders away')
-    change(tmp_path / 'x.work')
+    (open_to_all, 'others can write it'), (linked, 'it is a link'),
+    (given_away, 'it belongs to another user')])
+@pytest.mark.parametrize('which', [0, 1, 2])
+def test_what_others_may_have_put_there_is_refused(interrupted, tmp_path, change, why, which):
+    if change is given_away and os.geteuid() != 0:
+        pytest.skip('only root gives files away')
+    path = kept(tmp_path)[0]
+    change([path.parent.parent, path.parent, path][which])
     line = refusal(interrupted)
     assert why in line and 'remove it' in line
+
+
+def test_no_run_uses_a_folder_of_others(run, tmp_path):
+    (tmp_path / 'x.work').mkdir()
+    (tmp_path / 'x.work').chmod(0o777)
+    assert 'others can write it' in refusal(run, batch_work.square, numbers())
 
 
 def listening():
