@@ -99,7 +99,15 @@ class Master:
         question: gets a node's name and its proxy, in one of several threads. Raises OSError if
         the master does not answer.
         """
-        uris = {node: str(self.ask('lookupNode', node) or '') for node in sorted(nodes)}
+        lookups, uris = xmlrpc.client.MultiCall(self.proxy), dict.fromkeys(sorted(nodes), '')
+        for node in uris:
+            lookups.lookupNode(self._node, node)
+        try:
+            answers: Any = lookups()
+            for node, (code, _, uri) in zip(list(uris), answers):
+                uris[node] = str(uri) if code == 1 else ''
+        except (*ERRORS[1:], TypeError, ValueError) as error:
+            raise OSError(str(error))
 
         def answer(node: str) -> Any:
             try:
