@@ -163,9 +163,9 @@ class Images:
         """
         exposures = [list(same_time) for _, same_time in itertools.groupby(
             filter(self.is_camera, readings), key=lambda each: each.time_s)]
-        # of these exposures alone: earlier ones may be published while the next ones wait for them
-        others_are_published = threading.Event()
         if len(exposures) == 1:
+            # of this one alone: an earlier one may be published while this one waits for it
+            others_are_published = threading.Event()
             try:
                 self._expose(exposures[0], others_are_published)
                 publish_others()        # while the images are drawn
@@ -173,12 +173,12 @@ class Images:
                 others_are_published.set()
         else:
             publish_others()
-            others_are_published.set()
             for exposed in exposures:
-                self._expose(exposed, others_are_published)
+                self._expose(exposed)
 
-    def _expose(self, readings: Sequence[Reading], others_are_published: threading.Event) -> None:
-        """Draw what cameras have read at one time."""
+    def _expose(self, readings: Sequence[Reading],
+                others_are_published: Optional[threading.Event] = None) -> None:
+        """Draw what cameras have read at one time; it is published after the others."""
         if self._skips and self._process.is_busy:
             return
         topics = [self._cameras[each.robot, each.sensor][1] for each in readings]
@@ -195,7 +195,7 @@ class Images:
         if self._process.is_ready and self._view.take_due():
             self._is_view_due = True
             if self.is_complete() and not self._process.is_busy:
-                self._draw([], [], self._parts.poses(), self._simulator.time_s, None)
+                self._draw([], [], self._parts.poses(), self._simulator.time_s)
 
     def update_window(self) -> None:
         """Send the poses to the window, if there is one and it needs new ones."""
@@ -207,7 +207,7 @@ class Images:
             self._window = None
 
     def _draw(self, topics: Sequence[CameraTopics], shots: Sequence[Shot], poses: np.ndarray,
-              time_s: float, others_are_published: Optional[threading.Event]) -> None:
+              time_s: float, others_are_published: Optional[threading.Event] = None) -> None:
         """Draw what cameras have read, with the view if it is due."""
         publishers: List[Union[CameraTopics, ViewTopic]] = list(topics)
         exposures = self._exposures
@@ -218,12 +218,13 @@ class Images:
         def publish(pictures: Sequence[Picture]) -> None:
             if others_are_published is not None:
                 others_are_published.wait()
+            if topics:
                 self._drawn = exposures
                 if self._lockstep is not None:
                     self._lockstep.notify_sent()
             for each, picture in zip(publishers, pictures):
                 each.publish(picture, time_s)
-            if others_are_published is not None:
+            if topics:
                 self._published = exposures
                 self._wake()
         self._process.draw(shots, poses, publish)
