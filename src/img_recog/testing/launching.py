@@ -15,6 +15,7 @@ from xml.sax.saxutils import quoteattr
 import roslaunch
 import roslaunch.config
 import roslaunch.rlutil
+import roslaunch.xmlloader
 import rospkg
 from roslaunch.substitution_args import SubstitutionException, resolve_args
 
@@ -127,8 +128,10 @@ class Launch:
         """
         with open(path, 'w') as file:
             file.write(_together(files))
+        # what roslaunch adds, of roscore, starts two programs
+        config = roslaunch.config.ROSLaunchConfig()
         try:
-            config = roslaunch.config.load_config_default([path], None, assign_machines=False)
+            roslaunch.xmlloader.XmlLoader().load(path, config, verbose=False)
         except roslaunch.RLException as error:
             raise UserError('the launch files cannot be used: {}'.format(one_line(error)),
                             'try them with roslaunch') from None
