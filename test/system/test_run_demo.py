@@ -13,17 +13,19 @@ import pytest
 
 from img_recog_helpers import process_table
 from img_recog_helpers.pages import ROOT
-from img_recog_helpers.process_table import end_all, marked, ports
+from img_recog_helpers.process_table import end_all, is_alive, marked, ports
 from img_recog_helpers.processes import SMALL_CAMERA
 from img_recog_helpers.waiting import wait_for
 
 END_S = 10.0
 # so that also on a busy machine the nodes end by themselves, before the supervisor kills them
 PATIENT = {'IMG_RECOG_END_SCALE': '10'}
+PROBLEMS = re.compile(r'Traceback|has died|escalating|\[ERROR\]|\[FATAL\]|has ended')
 NODES = ('rosout', 'robot_state_publisher', 'gazebo', 'color_extract', 'usb_cam',
          'turtlebot3_teleop_keyboard')
-# the demo for tests that look only at how it ends
-SMALL = 'camera:=none', 'recognition:=false', 'teleop:=false', 'world:=empty'
+# the demo with one node, the teleop, for tests that look only at how it ends
+SMALL = 'simulator:=false', 'camera:=none', 'recognition:=false'
+STARTED = 'no terminal to read keys from'
 F_SETPIPE_SZ, PIPE_BYTES = 1031, 4096       # fcntl.h of Linux
 
 
@@ -45,8 +47,7 @@ def run_demo(ros):
 
 @pytest.mark.parametrize('signum, moment', [
     (signal.SIGINT, 'bash'), (signal.SIGINT, 'roslaunch'), (signal.SIGINT, 'rosmaster'),
-    (signal.SIGINT, 'pybullet_sim'), (signal.SIGINT, 'teleop_key'), (signal.SIGTERM, 'usb_cam'),
-    (signal.SIGHUP, 'roslaunch')])
+    (signal.SIGINT, 'teleop_key'), (signal.SIGTERM, 'usb_cam'), (signal.SIGHUP, 'roslaunch')])
 def test_signal_at_any_moment_ends_everything(run_demo, moment, signum):
     """moment: when this program runs."""
     demo = run_demo(*SMALL_CAMERA)
@@ -74,7 +75,7 @@ def test_ctrl_c_is_not_lost_in_a_program_that_ends_normally(run_demo, tmp_path):
     assert 'process[' not in demo.output
 
 
-@pytest.mark.parametrize('moment', ['setup', 'the robot is at the start'])
+@pytest.mark.parametrize('moment', ['setup', STARTED])
 def test_ctrl_c_ends_what_a_script_has_started_in_the_background(run_demo, ros, tmp_path, moment):
     if moment == 'setup':
         program = tmp_path / 'bin' / 'mkdir'
@@ -108,9 +109,9 @@ def test_ctrl_c_while_nodes_are_started_is_no_error(run_demo, tmp_path):
 
 def test_roslaunch_stuck_in_its_own_locks_is_killed(run_demo):
     demo = run_demo(*SMALL)
-    demo.wait_output('the robot is at the start')
+    demo.wait_output(STARTED)
     # like a roslaunch that was interrupted while it started a node, it ignores signals
-    roslaunch = psutil.Process(node(demo, 'gazebo')).ppid()
+    roslaunch = psutil.Process(node(demo, 'turtlebot3_teleop_keyboard')).ppid()
     os.kill(roslaunch, signal.SIGSTOP)
     os.killpg(demo.pid, signal.SIGINT)
     wait_for(lambda: not marked(run_demo.mark), lambda: 'the end of:\n' + demo.output, END_S)
@@ -118,7 +119,7 @@ def test_roslaunch_stuck_in_its_own_locks_is_killed(run_demo):
 
 def test_roslaunch_ends_when_its_supervisor_is_killed(run_demo):
     demo = run_demo(*SMALL)
-    demo.wait_output('the robot is at the start')
+    demo.wait_output(STARTED)
     os.kill(demo.pid, signal.SIGKILL)
     wait_for(lambda: not marked(run_demo.mark), lambda: 'the end of:\n' + demo.output)
 
@@ -130,11 +131,11 @@ def test_output_that_nobody_reads_does_not_keep_it_from_ending(run_demo, blockin
     os.set_blocking(writer, blocking)
     try:
         demo = subprocess.Popen(
-            [os.path.join(ROOT, 'run'), 'demo', *SMALL_CAMERA, 'web:=false'], env=run_demo.env,
+            [os.path.join(ROOT, 'run'), 'demo', *SMALL, 'web:=false'], env=run_demo.env,
             stdin=subprocess.DEVNULL, stdout=writer, stderr=writer, start_new_session=True)
         wait_for(lambda: not select.select([], [writer], [], 0)[1], 'a full pipe')
-        wait_for(lambda: any('pybullet_sim' in line for line in marked(run_demo.mark).values()),
-                 'the simulator')
+        wait_for(lambda: any('teleop_key' in line for line in marked(run_demo.mark).values()),
+                 'the teleop')
         os.kill(demo.pid, signum)
         wait_for(lambda: not marked(run_demo.mark),
                  lambda: 'the end of {}'.format(marked(run_demo.mark)), END_S)
@@ -157,7 +158,8 @@ def interrupt(demo):
     return demo.wait()
 
 
-def test_a_running_demo_is_closed_to_other_machines_and_ends_cleanly(run_demo, ros):
+def test_a_running_demo_is_closed_to_other_machines_and_nodes_that_were_killed_come_back(
+        run_demo, ros):
     run_demo.env.update(PATIENT)
     demo = run_demo(*SMALL_CAMERA)
     demo.wait_output('the robot drives forward')
@@ -166,9 +168,21 @@ def test_a_running_demo_is_closed_to_other_machines_and_ends_cleanly(run_demo, r
     # the teleop may start later than the robot
     wait_for(lambda: len(ports(marked(run_demo.mark), 'tcp').all) >= 2 * len(NODES), 'all ports')
     assert ports(marked(run_demo.mark)).open_to_others == known
+    assert not PROBLEMS.search(demo.output), demo.output
+    # the process that roslaunch knows, and the node below it
+    os.kill(node(demo, 'color_extract'), signal.SIGKILL)
+    demo.wait_output(r'\[color_extract-\d+\] restarting process')
+    simulator, = psutil.Process(node(demo, 'gazebo')).children()
+    simulator.kill()
+    demo.wait_output(r'(?s)gazebo: killed by SIGKILL, started again.*the robot is at the start: '
+                     r'x -2.00 m, y -0.50 m.*the robot drives')
+    os.kill(node(demo, 'robot_state_publisher'), signal.SIGKILL)    # it has no respawn.py
+    demo.wait_output(r'(?s)\[robot_state_publisher-\d+\] restarting process.*'
+                     r'process\[robot_state_publisher-\d+\]: started')
+    # before, a node that is started again late may be reported
+    before = len(demo.output)
     assert interrupt(demo) == 0
-    for words in ('Traceback', 'has died', 'escalating', '[ERROR]', '[FATAL]', 'has ended'):
-        assert words not in demo.output, demo.output
+    assert not PROBLEMS.search(demo.output, before), demo.output
 
 
 def node(demo, name):
@@ -181,7 +195,7 @@ def last_line(demo):
 
 
 @pytest.mark.parametrize('argument, content, node, part, reason', [
-    ('framerate', 0, 'usb_cam', 'the camera', '/usb_cam/framerate: got 0.0, allowed is '),
+    ('framerate', '0', 'usb_cam', 'the camera', '/usb_cam/framerate: got 0.0, allowed is '),
     ('camera', '/no/such.mp4', 'usb_cam', 'the camera', 'cannot open /no/such.mp4: no such file'),
     ('urdf', '<sdf/>', 'gazebo', 'the simulator', 'root element <sdf>'),
     # the node itself has this topic
@@ -190,10 +204,13 @@ def last_line(demo):
 def test_a_part_that_is_needed_or_refuses_its_parameters_ends_the_demo(
         run_demo, tmp_path, argument, content, node, part, reason):
     path = tmp_path / 'file'
-    if node != 'usb_cam':
-        path.write_text(content)
-    demo = run_demo('camera:=none' if node != 'usb_cam' else 'recognition:=false', 'teleop:=false',
-                    'world:=empty', '{}:={}'.format(argument, path if path.exists() else content))
+    path.write_text(content)
+    # no other part but that
+    others = {'usb_cam': ['recognition:=false', 'simulator:=false'],
+              'gazebo': ['recognition:=false', 'camera:=none'],
+              'color_extract': ['camera:=none', 'simulator:=false']}[node]
+    demo = run_demo('teleop:=false', 'world:=empty', *others, '{}:={}'.format(
+        argument, content if node == 'usb_cam' else path))
     assert demo.wait() == 1
     assert re.match(r'\[run\] {} \({}\) has ended: .*{}'.format(part, node, reason),
                     last_line(demo)), demo.output
@@ -211,17 +228,16 @@ def test_what_roslaunch_refuses_is_said_again(run_demo, word, name):
     assert 'process[' not in demo.output
 
 
-@pytest.mark.parametrize('namespace', ['/', '/lab/'])
-def test_a_given_master_of_another_demo_is_refused(run_demo, ros, namespace):
-    run_demo.env['ROS_NAMESPACE'] = namespace
+def test_a_given_master_of_another_demo_is_refused(run_demo, ros):
+    run_demo.env['ROS_NAMESPACE'] = '/lab/'
     first = run_demo(*SMALL)
-    first.wait_output('the robot is at the start')
+    first.wait_output(STARTED)
     second = run_demo(*SMALL_CAMERA)
     assert second.wait() == 1
     assert last_line(second).startswith(
-        '[run] the master {} has {}gazebo of another demo, which this one would end; stop '.format(
-            ros.master_uri, namespace)), second.output
-    assert ros.node_pid(namespace + 'gazebo') and first.is_running()
+        '[run] the master {} has /lab/turtlebot3_teleop_keyboard of another demo, which this one '
+        'would end; stop '.format(ros.master_uri)), second.output
+    assert first.is_running()
     others = run_demo('simulator:=false', 'teleop:=false', 'camera:=none', 'use_sim_time:=true')
     others.wait_output(r'process\[\S*color_extract-\d+\]: started')
     assert interrupt(others) == 0 and first.is_running()
@@ -229,7 +245,7 @@ def test_a_given_master_of_another_demo_is_refused(run_demo, ros, namespace):
 
 def test_a_killed_master_is_reported_and_ends_the_demo(run_demo):
     demo = run_demo(*SMALL)
-    demo.wait_output('the robot is at the start')
+    demo.wait_output(STARTED)
     master, = [pid for pid, line in marked(run_demo.mark).items() if 'rosmaster' in line]
     os.kill(master, signal.SIGKILL)
     assert demo.wait() == 1
@@ -241,38 +257,22 @@ def test_camera_that_cannot_start_is_reported_and_the_other_nodes_continue(
     path = tmp_path / 'video.mp4'
     path.write_text('not a video')
     run_demo.env.update(PATIENT)
-    demo = run_demo('camera:={}'.format(path))
+    demo = run_demo('camera:={}'.format(path), 'simulator:=false')
     reason = r'\[run\] the camera \(usb_cam\) has ended: .*video.mp4'
     demo.wait_output(reason + '.*; the other nodes continue\n')
     demo.wait_output(r'\[respawn\] usb_cam: ended and is not started again: .*video.mp4')
-    for name in ('color_extract', 'turtlebot3_teleop_keyboard', 'gazebo', 'robot_state_publisher'):
+    for name in ('color_extract', 'turtlebot3_teleop_keyboard'):
         assert ros.node_pid('/' + name)
     assert interrupt(demo) == 0
     assert re.match(reason, last_line(demo)), demo.output
 
 
-def test_a_killed_node_is_reported(run_demo):
-    demo = run_demo(*SMALL_CAMERA, 'recognition:=false', 'teleop:=false', 'respawn:=false')
-    demo.wait_output('camera: synthetic scene')
-    os.kill(node(demo, 'usb_cam'), signal.SIGKILL)
-    demo.wait_output(r'\[run\] the camera \(usb_cam\) has ended: killed by SIGKILL; the other')
-
-
-def test_nodes_that_were_killed_come_back_and_are_not_reported_at_the_end(run_demo):
-    run_demo.env.update(PATIENT)
-    demo = run_demo(*SMALL_CAMERA)
+def test_a_killed_node_is_reported_and_the_robot_stops(run_demo, ros):
+    demo = run_demo(*SMALL_CAMERA, 'respawn:=false')
     demo.wait_output('the robot drives forward')
-    # the process that roslaunch knows, and the node below it
-    os.kill(node(demo, 'color_extract'), signal.SIGKILL)
-    demo.wait_output(r'\[color_extract-\d+\] restarting process')
-    simulator, = psutil.Process(node(demo, 'gazebo')).children()
-    simulator.kill()
-    demo.wait_output(r'(?s)gazebo: killed by SIGKILL, started again.*the robot is at the start: '
-                     r'x -2.00 m, y -0.50 m.*the robot drives')
-    os.kill(node(demo, 'robot_state_publisher'), signal.SIGKILL)    # it has no respawn.py
-    demo.wait_output(r'(?s)\[robot_state_publisher-\d+\] restarting process.*'
-                     r'process\[robot_state_publisher-\d+\]: started')
-    # before, a node that is started again late may be reported
-    before = len(demo.output)
-    assert interrupt(demo) == 0
-    assert 'has ended' not in demo.output[before:] and 'Traceback' not in demo.output, demo.output
+    pids = {name: ros.node_pid('/' + name) for name in NODES}
+    os.kill(pids['usb_cam'], signal.SIGKILL)
+    demo.wait_output(r'\[run\] the camera \(usb_cam\) has ended: killed by SIGKILL; the other')
+    wait_for(lambda: demo.output.rfind('the robot stands') > demo.output.rfind('drives'),
+             lambda: 'the robot to stand in:\n' + demo.output)
+    assert [name for name, pid in pids.items() if not is_alive(pid)] == ['usb_cam']
