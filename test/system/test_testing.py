@@ -1,6 +1,7 @@
 """img_recog.testing as tests of another package use it: by pytest, and in a rostest."""
+import itertools
 import os
-import pathlib
+import shutil
 import signal
 import sys
 import xml.etree.ElementTree as ET
@@ -32,21 +33,27 @@ rospy.spin()
 BROKEN = '''#!{}
 raise ValueError('no wheels')
 '''.format(sys.executable)
+# of the first, a mask shows the whole image, of the second, nothing
+COLORS = 'colors: [all, nothing]\n' + ''.join(
+    '{}_{}_{}: {}\n'.format(color, part, side, bound)
+    for color, bounds in (('all', (0, 180, 0, 255, 0, 255)), ('nothing', (90, 90, 255, 255, 0, 0)))
+    for (part, side), bound in zip(itertools.product(
+        ('hue', 'saturation', 'value'), ('min', 'max')), bounds))
 SMALL = 'image_width=64, image_height=48'
 DRIVE = "launch=('my_driver', 'drive.launch'), lockstep='cmd_vel', " + SMALL
 
 
-@pytest.fixture
-def workspace(tmp_path):
+@pytest.fixture(scope='module')
+def workspace(tmp_path_factory):
     """The folder of a package, and a function that starts a program which finds it."""
-    package = tmp_path / 'my_driver'
+    package = tmp_path_factory.mktemp('workspace') / 'my_driver'
     package.mkdir()
     for name, text in (('package.xml', PACKAGE.format('my_driver')), ('drive.launch', LAUNCH),
-                       ('driver.py', DRIVER), ('broken.py', BROKEN),
+                       ('driver.py', DRIVER), ('broken.py', BROKEN), ('colors.yaml', COLORS),
                        ('conftest.py', "pytest_plugins = ['img_recog.testing.fixtures']\n")):
         (package / name).write_text(text)
         (package / name).chmod(0o755)
-    with Ros(tmp_path) as ros:
+    with Ros(package.parent) as ros:
         env = dict(ros.env, ROS_PACKAGE_PATH='{}:{}'.format(
             package, os.environ['ROS_PACKAGE_PATH']))
         del env['ROS_MASTER_URI']
@@ -70,46 +77,11 @@ def run_pytest(workspace, text):
             for case in ET.parse(str(results)).iter('testcase')}
 
 
-def test_each_simulation_of_a_process_drives_the_same_path(workspace):
+@pytest.fixture(scope='module')
+def failed(workspace):
+    """The outcomes of tests that fail, and a copy of the folder with what is kept of them."""
     outcomes = run_pytest(workspace, '''
-import pytest, rospy, time
-from img_recog.testing import Simulation
-
-def drive(simulation, period_s):
-    sim = simulation({drive})
-    assert sim.time_s == 0.0 and rospy.get_param('/gazebo/world') == 'color_posts'
-    assert sim.step(0.5) == 0.5
-    picture = sim.image()
-    assert picture.pixels.shape == (48, 64, 3) and abs(picture.time_s - 0.495) < 1e-6
-    sim.wait_until(lambda: sim.pose().x > -1.9, period_s=period_s)
-    sim.step(2.0 - sim.time_s)
-    return sim.pose()
-
-def test_path(simulation):
-    first, second = drive(simulation, 0.1), drive(simulation, 0.25)
-    assert first == second and abs(first.time_s - 1.98) < 1e-6 and first.yaw != 0.0
-
-def test_parameters():
-    assert rospy.get_param('/gazebo', None) is None
-
-def test_without_a_camera_and_node():
-    with Simulation(camera='none', world='empty', x_pos=1.0, real_time_factor=5) as sim:
-        pose = sim.pose()
-        assert abs(pose.x - 1.0) < 1e-3 and sim.time_s == 0.1 and pose.time_s == 0.099
-        with pytest.raises(AssertionError, match='no message on /usb_cam/image_raw in 2 s of '
-                           'simulated time: nobody publishes it'):
-            sim.image()
-        began_s = time.monotonic()
-        sim.step(1.0)
-        assert time.monotonic() - began_s > 0.15
-'''.format(drive=DRIVE))
-    assert outcomes == dict.fromkeys(
-        ['test_path', 'test_parameters', 'test_without_a_camera_and_node'], '')
-
-
-def test_what_is_wrong_is_said(workspace):
-    outcomes = run_pytest(workspace, '''
-import pytest
+import os, pytest
 from img_recog.testing import Simulation
 from std_msgs.msg import Header, String
 
@@ -134,7 +106,7 @@ def test_does_not_answer(simulation):
                lockstep_timeout=0.5).step(1.0)
 
 def test_other(simulation):
-    sim = simulation({good})
+    sim = simulation({good}, recognition=True, colors=os.path.abspath('colors.yaml'))
     for call, words in ((lambda: sim.step(0), 'got 0 s'), (lambda: sim.step(0.0005), 'not divide'),
                         (lambda: sim.pose('a'), "give one of ''"),
                         (lambda: sim.message('cmd_vel', String), 'has the type geometry_msgs/Tw'),
@@ -145,6 +117,13 @@ def test_other(simulation):
         sim.message('silent', Header)
     sim.wait_until(lambda: sim.pose().x > 9.0, timeout_s=0.2)
 '''.format(drive=DRIVE.replace("'cmd_vel'", "'/nobody'"), small=SMALL, good=DRIVE))
+    kept = workspace[0] / 'failed'
+    shutil.copytree(str(workspace[0] / 'results'), str(kept))
+    return outcomes, kept
+
+
+def test_what_is_wrong_is_said(failed):
+    outcomes, kept = failed
     for name, *words in (
             ('start[arguments0]', 'there is no file /', 'no.launch'),
             ('start[arguments1]', 'no.launch', 'my_driver'),
@@ -164,48 +143,58 @@ def test_other(simulation):
              '9.0', '/odom: x -', 'the last lines of the nodes:')):
         for word in words:
             assert word in outcomes.get('test_' + name, ''), outcomes
-    kept = pathlib.Path(workspace[0], 'results')
     assert sorted(path.name for path in kept.glob('test_other*')) == [
         'test_other.above.png', 'test_other.camera.png', 'test_other.log', 'test_other.mp4']
     shown = (kept / 'junit.xml').read_text()
     assert 'img_recog/testing/' not in shown and 'During handling' not in shown, shown
 
+
+def test_the_film_shows_the_colors_of_the_test(failed):
+    with av.open(str(failed[1] / 'test_other.mp4')) as film:
+        *_, last = (frame.to_ndarray(format='gray') for frame in film.decode(video=0))
+    # black is what a mask leaves out: both masks with the colors of the article, else none
+    assert 0.02 < (last < 16).mean() < 0.05
+
+
+def test_each_simulation_of_a_process_drives_the_same_path(workspace, failed):
+    """And what was kept of tests is removed when they pass, but not what others have written."""
+    kept = workspace[0] / 'results'
     (kept / 'test_mine.log').write_text('')
-    assert run_pytest(workspace, '''
-import pytest
-
-@pytest.mark.parametrize('name', ['test_other', 'test_mine'])
-def test_passes(simulation, name):
-    simulation(camera='none', name=name)
-''') == {'test_passes[test_other]': '', 'test_passes[test_mine]': ''}
-    assert not [*kept.glob('test_other*')] and (kept / 'test_mine.log').exists()
-
-
-def test_the_film_shows_the_colors_of_the_test(workspace):
-    package, _ = workspace
-    bounds = {'hue': (0, 180), 'saturation': (0, 255), 'value': (0, 255)}
-    (package / 'all.yaml').write_text('colors: [all]\n' + ''.join(
-        'all_{}_{}: {}\n'.format(part, side, bound) for part, both in bounds.items()
-        for side, bound in zip(('min', 'max'), both)))
     outcomes = run_pytest(workspace, '''
-import os, pytest
+import pytest, rospy, time
+from img_recog.testing import Simulation
 
-@pytest.mark.parametrize('arguments', [
-    dict(colors=os.path.abspath('all.yaml'), name='all'), dict(name='article')])
-def test_fails(simulation, arguments):
-    sim = simulation(recognition=True, {}, **arguments)
-    sim.image()
-    sim.step(0.2)
-    assert not 'as it should'
-'''.format(SMALL))
-    assert len(outcomes) == 2 and all('as it should' in each for each in outcomes.values())
-    black = {}
-    for name in ('all', 'article'):
-        with av.open(str(package / 'results' / (name + '.mp4'))) as film:
-            *_, last = (frame.to_ndarray(format='gray') for frame in film.decode(video=0))
-        black[name] = (last < 16).mean()
-    # all that a mask leaves out is black; the article's two colors leave out most of the image
-    assert black['all'] < 0.01 and black['article'] > 0.05
+def drive(simulation, period_s, name):
+    sim = simulation({drive}, name=name)
+    assert sim.time_s == 0.0 and rospy.get_param('/gazebo/world') == 'color_posts'
+    assert sim.step(0.5) == 0.5
+    picture = sim.image()
+    assert picture.pixels.shape == (48, 64, 3) and abs(picture.time_s - 0.495) < 1e-6
+    sim.wait_until(lambda: sim.pose().x > -1.9, period_s=period_s)
+    sim.step(2.0 - sim.time_s)
+    return sim.pose()
+
+def test_path(simulation):
+    first, second = drive(simulation, 0.1, 'test_other'), drive(simulation, 0.25, 'test_mine')
+    assert first == second and abs(first.time_s - 1.98) < 1e-6 and first.yaw != 0.0
+
+def test_parameters():
+    assert rospy.get_param('/gazebo', None) is None
+
+def test_without_a_camera_and_node():
+    with Simulation(camera='none', world='empty', x_pos=1.0, real_time_factor=5) as sim:
+        pose = sim.pose()
+        assert abs(pose.x - 1.0) < 1e-3 and sim.time_s == 0.1 and pose.time_s == 0.099
+        with pytest.raises(AssertionError, match='no message on /usb_cam/image_raw in 2 s of '
+                           'simulated time: nobody publishes it'):
+            sim.image()
+        began_s = time.monotonic()
+        sim.step(1.0)
+        assert time.monotonic() - began_s > 0.15
+'''.format(drive=DRIVE))
+    assert outcomes == dict.fromkeys(
+        ['test_path', 'test_parameters', 'test_without_a_camera_and_node'], '')
+    assert not [*kept.glob('test_other*')] and (kept / 'test_mine.log').exists()
 
 
 def test_in_a_rostest(workspace):
@@ -242,12 +231,13 @@ def test_nothing_is_left(workspace, signum):
     package, start = workspace
     (package / 'test_it.py').write_text('''
 def test_endless(simulation):
-    sim = simulation({drive})
+    sim = simulation(launch=('my_driver', 'drive.launch'), camera='none', world='empty')
     sim.step(0.1)
     open('begun', 'w').close()
     while sim.step(0.1):
         pass
-'''.format(drive=DRIVE))
+''')
+    (package / 'begun').unlink(missing_ok=True)
     process = start(sys.executable, '-m', 'pytest', '-p', 'no:cacheprovider', 'test_it.py')
     wait_for((package / 'begun').exists, lambda: process.output)
     process.send_signal(signum)
