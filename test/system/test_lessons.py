@@ -27,6 +27,11 @@ LONGEST_S = 400.0       # of a command, on an idle machine
 _BLOCK = re.compile(r'^```(\w+)(?: needs ([\w ]+))?\n(.*?)^```$', re.MULTILINE | re.DOTALL)
 _TERMINAL = re.compile(r'(?:[Tt]erminal|ターミナル) (\d)')
 _CTRL_C = re.compile(r'Ctrl-C in terminal (\d)|ターミナル (\d) で Ctrl-C')
+# what is typed otherwise here: the environment of the test is already that of this shell, readers
+# with a display have no page, and a robot that looks ten times a second does the same
+_OTHERWISE = ((r'^\./run shell$', './run shell true'),
+              (r'^\./run demo (?!.*web:=)', './run demo web:=false '),
+              (' camera:=robot ', ' camera:=robot framerate:=10 '))
 
 
 class Step(NamedTuple):
@@ -76,9 +81,9 @@ class Terminal:
     def type(self, text, is_endless):
         """Run the lines; wait for their end, unless the reader presses Ctrl-C later."""
         assert self._program is None or not self._program.is_running(), 'Ctrl-C is missing'
-        # the environment of the test is already the one of this shell
-        lines = [re.sub(r'^\./run shell$', './run shell true', line)
-                 for line in text.splitlines()]
+        for written, typed in _OTHERWISE:
+            text = re.sub(written, typed, text, flags=re.MULTILINE)
+        lines = text.splitlines()
         self._program = self._ros.start(
             'bash', '-ec', '\n'.join([*self._kept, *lines]), cwd=str(self._folder),
             start_new_session=True)
