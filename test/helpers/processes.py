@@ -25,11 +25,6 @@ SMALL_CAMERA = 'camera:=synthetic', 'image_width:=320', 'image_height:=240'
 _PROGRAMS = os.environ['CMAKE_PREFIX_PATH'].split(os.pathsep)[0] + '/lib/img_recog/'
 
 
-def numbers(output):
-    """Return the numbers that `rostopic echo` has printed; its warnings may be between them."""
-    return [float(line) for line in re.findall(r'(?m)^-?\d[-+.\de]*$', output)]
-
-
 class Process:
     """A program whose output is collected while it runs."""
 

@@ -13,18 +13,12 @@ CASES = {
     'a source that is a number': (
         'usb_cam_node.py', ['_video_device:=0'],
         'video_device: got 0, allowed is a path like /dev/video0', 'synthetic'),
-    'a type': ('usb_cam_node.py', ['_image_height:=tall', '_video_device:=synthetic'],
-               "/usb_cam/image_height: got 'tall'", 'a whole number'),
     'a calibration': ('usb_cam_node.py',
                       ['_camera_info_url:=http://x', '_video_device:=synthetic'],
                       "camera_info_url: got 'http://x'", 'file://'),
     'a number': ('pybullet_sim.py', ['_real_time_factor:=-1'],
                  '/gazebo/real_time_factor: got -1', 'from 0.001 to 1000, or 0'),
     'a world': ('pybullet_sim.py', ['_world:=' + os.path.abspath(__file__)], 'world:', 'URDF'),
-    'a sensor': ('pybullet_sim.py', ['_scan_period_s:=0.0335'], 'scan_period_s: got 0.0335 s',
-                 'set 0.033 or 0.034'),
-    'a topic': ('pybullet_sim.py', ['_imu_topic:=scan'], 'two sensors are on the topic /scan',
-                'give each another topic'),
     'colors': ('color_img_recog.py', ['_colors:=[green]'],
                '/color_extract/green_hue_min: got nothing', 'from 0 to 180'),
     'a limit': ('teleop_key.py', ['_max_linear_velocity:=fast'],
@@ -35,9 +29,7 @@ CASES = {
                       "blue_image_topic: got '/usb_cam/image_raw'", 'does not already use'),
     'one topic twice': ('color_img_recog.py', ['_red_image_topic:=blue_image'],
                         "/color_extract/red_image_topic: got 'blue_image'",
-                        'does not already use'),
-    'an empty file': ('color_img_recog.py', ['_colors_file:=' + os.devnull], 'null: got nothing',
-                      'colors: [blue, red]')}
+                        'does not already use')}
 
 
 @pytest.mark.parametrize('script, arguments, named, advice', list(CASES.values()), ids=list(CASES))
@@ -49,36 +41,26 @@ def test_one_line_names_it(roscore, script, arguments, named, advice):
     assert named in line and advice in line, line
 
 
-@pytest.mark.parametrize('text, named, advice', [
-    (None, 'robot_description: got none', 'textfile'),
-    ('<robot', 'cannot use the robot in robot_description: not XML', 'urdf')])
-def test_a_robot(roscore, text, named, advice):
+def test_no_robot(roscore):
     roscore.set_parameters('/gazebo')
-    roscore.set_parameters('/robot_description', text)
+    roscore.set_parameters('/robot_description')
     line = roscore.start_node('pybullet_sim.py').fatal_line()
-    assert named in line and advice in line, line
+    assert 'robot_description: got none' in line and 'textfile' in line, line
 
 
-def test_camera_typo_is_a_warning(roscore):
-    roscore.set_parameters('/usb_cam')
-    camera = roscore.start_node('usb_cam_node.py', '_video_device:=synthetic', '_framrate:=10',
-                                '_focus_absolute:=3')
-    for name, meant in (('focus_absolute', 'focus'), ('framrate', 'framerate')):
-        camera.wait_output(r'\[WARN\].*/usb_cam/{} is unknown .* did you mean {}\?'.format(
-            name, meant))
-    camera.wait_output('camera: synthetic scene')
-    assert camera.interrupt() == 0
-
-
-def test_camera_continues_without_a_calibration_that_does_not_parse(roscore, tmp_path):
+def test_camera_continues_with_typos_and_a_calibration_that_does_not_parse(roscore, tmp_path):
     roscore.set_parameters('/usb_cam')
     path = tmp_path / 'camera.yaml'
     path.write_text('image_width: 640\n')
-    camera = roscore.start_node('usb_cam_node.py', '_video_device:=synthetic',
-                                '_camera_info_url:=file://{}'.format(path))
+    camera = roscore.start_node('usb_cam_node.py', '_video_device:=synthetic', '_framrate:=10',
+                                '_focus_absolute:=3', '_camera_info_url:=file://{}'.format(path))
+    for name, meant in (('focus_absolute', 'focus'), ('framrate', 'framerate')):
+        camera.wait_output(r'\[WARN\].*/usb_cam/{} is unknown .* did you mean {}\?'.format(
+            name, meant))
     line = camera.wait_output(r'\[ERROR\].*').group()
     assert str(path) in line and 'image_height' in line, line
     camera.wait_output('camera: synthetic scene')
+    assert camera.interrupt() == 0
 
 
 def test_unknown_parameters_of_color_extract_are_warnings(roscore):

@@ -1,5 +1,6 @@
 """A sensor is added by three edits: made in a copy of the tree, for a sonar that is not in it."""
 import os
+import re
 import shutil
 import subprocess
 import sys
@@ -7,7 +8,6 @@ import sys
 import pytest
 
 from img_recog_helpers.pages import ROOT
-from img_recog_helpers.processes import numbers
 from img_recog_helpers.simulator_tools import burger, complaints
 
 PARTS = ('src', 'doc', 'launch', 'scripts', 'test', 'tools', 'CONTRIBUTING.md', 'README.md',
@@ -118,11 +118,11 @@ def test_its_topic_is_published(roscore, tree, addition, topic, frame):
                          env=env_of(roscore, tree))
     try:
         node.wait_output('simulating')
-        roscore.wait_run('Type: sensor_msgs/Range', 'rostopic', 'info', topic)
-        ranges = numbers(roscore.run('rostopic', 'echo', '-n', '3', topic + '/range'))
+        messages = roscore.run('rostopic', 'echo', '-n', '3', topic)
+        ranges = [float(each) for each in re.findall(r'(?m)^range: (.*)$', messages)]
         # a post of radius 0.15 m at x -1.1; both links are 0.032 m behind the robot's root
         assert ranges == pytest.approx([2.0 + 0.032 - 1.1 - 0.15] * 3, abs=0.01)
-        assert frame in roscore.run('rostopic', 'echo', '-n', '1', topic + '/header/frame_id')
+        assert messages.count('frame_id: "{}"'.format(frame)) == 3
     finally:
         assert node.interrupt() == 0, node.output
     assert 'Traceback' not in node.output
