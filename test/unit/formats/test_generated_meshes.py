@@ -2,12 +2,14 @@
 import collections
 import hashlib
 import os
+import xml.etree.ElementTree as ElementTree
 
 import numpy as np
 import pytest
 
-from img_recog.formats import generated_meshes
+from img_recog.formats import generated_meshes, sdf_links
 from img_recog.formats.meshes import mesh_file
+from img_recog.rotations import IDENTITY
 from img_recog_helpers.refusals import refusal
 
 # an L of 3 m2, anticlockwise
@@ -131,3 +133,14 @@ def test_an_outline_without_an_area_is_written_all_the_same():
     part, = mesh_file.read(generated_meshes.extruded([[(0, 0), (1, 0), (2, 0), (1.5, 0)]], 1))
     caps = part.positions[(part.positions[:, :, 2] == 1).all(axis=1)]
     assert sorted(caps[:, :, 0].tolist()) == [[0, 1, 2], [0, 2, 1.5]]
+
+
+def test_a_polyline_is_a_prism():
+    element = ElementTree.fromstring(
+        '<collision><geometry><polyline><point>1 2</point><point>3 2</point><point>1 5</point>'
+        '<height>4</height></polyline></geometry></collision>')
+    shape = sdf_links.solid(element, IDENTITY, lambda uri: None).shape
+    part, = mesh_file.read(shape.path)
+    corners = part.positions.reshape(-1, 3) * shape.size
+    assert corners.min(axis=0) == pytest.approx([1, 2, 0])
+    assert corners.max(axis=0) == pytest.approx([3, 5, 4])

@@ -1,64 +1,17 @@
 """The lights of worlds, models and robots, and what is around a world."""
-import xml.etree.ElementTree as ElementTree
 
 import pytest
 
-from img_recog.formats import lights, world_file
-from img_recog.model import (DIRECTIONAL, EXP2, LINEAR, POINT, SPOT, SUN, Fog, Light,
-                             Surroundings)
+from img_recog.formats import world_file
+from img_recog.model import DIRECTIONAL, POINT, SUN
 from img_recog.rotations import IDENTITY
 from img_recog.simulation.pictures import visual_scene
 from img_recog.simulation.pictures.visual_scene import Parts
 from img_recog_helpers.parsed import given
-from img_recog_helpers.refusals import refusal
 from img_recog_helpers.robots import assemble, burger
 from img_recog_helpers.sdf import BUILT_IN, sdf
 
 LAMP = '<light name="{}" type="point"><pose>1 0 2 0 0 0</pose></light>'
-
-
-def light(inside, kind=POINT):
-    return lights.light(ElementTree.fromstring('<light name="l" type="{}">{}</light>'.format(
-        kind, inside)), IDENTITY)
-
-
-def test_a_light_without_values_has_those_of_sdf():
-    assert light('') == Light(POINT, IDENTITY)
-    assert Light(POINT) == Light(POINT, IDENTITY, (1, 1, 1), (0.1, 0.1, 0.1), (0, 0, -1), 10,
-                                 (1, 1, 0), (0, 0, 0))
-
-
-def test_the_values_of_a_light():
-    found = light('<diffuse>0.5 0.25 0 1</diffuse><specular>0.1 0.2 0.3</specular>'
-                  '<direction>1 0 -2</direction><attenuation><range>7</range><constant>0.5'
-                  '</constant><linear>3</linear><quadratic>4</quadratic></attenuation><spot>'
-                  '<inner_angle>0.5</inner_angle><outer_angle>1</outer_angle><falloff>2</falloff>'
-                  '</spot>', SPOT)
-    assert found == Light(SPOT, IDENTITY, (0.5, 0.25, 0), (0.1, 0.2, 0.3), (1, 0, -2), 7,
-                          (0.5, 1, 4), (0.5, 1, 2))
-    assert light('<attenuation><range>inf</range></attenuation>').reach == float('inf')
-
-
-@pytest.mark.parametrize('inside, kind, words', [
-    ('', 'lamp', "light l of type 'lamp', expected directional, point, spot"),
-    ('<direction>0 0 0</direction>', SPOT, '<direction> of light l: got 0 0 0'),
-    ('<diffuse>red</diffuse>', POINT, "<diffuse> of light l: got 'red'"),
-    ('<attenuation><range>far</range></attenuation>', POINT, '<range> of light l: got')])
-def test_wrong_lights_are_refused(inside, kind, words):
-    assert words in refusal(light, inside, kind)
-
-
-@pytest.mark.parametrize('inside, expected', [
-    ('', Surroundings()), ('<ambient>1 0.5 0 1</ambient>', Surroundings((1, 0.5, 0))),
-    ('<background>0 0 1</background><sky/>', Surroundings(background=(0, 0, 1), has_sky=True)),
-    ('<fog/>', Surroundings()), ('<fog><type>none</type></fog>', Surroundings()),
-    ('<fog><type>linear</type><start>2</start><end>9</end></fog>',
-     Surroundings(fog=Fog(LINEAR, start=2, end=9))),
-    ('<fog><type>exp2</type><color>1 0 0</color><density>0.2</density></fog>',
-     Surroundings(fog=Fog(EXP2, (1, 0, 0), density=0.2)))])
-def test_the_surroundings_of_a_world(inside, expected):
-    assert lights.surroundings(ElementTree.fromstring('<scene>{}</scene>'.format(inside))
-                               ) == expected
 
 
 def read(path, text):

@@ -4,8 +4,7 @@ import xml.etree.ElementTree as ElementTree
 import pytest
 
 from img_recog.formats import material_scripts, materials
-from img_recog.model import WHITE, Material
-from img_recog_helpers.refusals import refusal
+from img_recog.model import Material
 
 SCRIPT = '''
 // material commented { technique { pass { diffuse 1 1 1 } } }
@@ -55,55 +54,6 @@ def folder(tmp_path):
     return tmp_path
 
 
-@pytest.mark.parametrize('inside, color', [
-    ('<material><diffuse>0.1 0.2 0.3 0.4</diffuse></material>', (0.1, 0.2, 0.3, 0.4)),
-    ('<material><ambient>0.1 0.2 0.3</ambient></material>', (1, 1, 1, 1)),
-    ('<material><ambient>1 1 1 1</ambient><diffuse>0 0 1 1</diffuse></material>', (0, 0, 1, 1)),
-    (script('Gazebo/Blue'), (0, 0, 1, 1)), (script('Gazebo/GreyTransparent'), (.5, .5, .5, .5))])
-def test_colors(inside, color):
-    material, missing = read(inside)
-    assert material.color == color and missing == ''
-
-
-@pytest.mark.parametrize('name, colors, expected', [
-    ('', '<diffuse>1 0 0 1</diffuse>', Material((1, 0, 0, 1), ambient=(1, 1, 1))),
-    ('', '<ambient>255 -1 102</ambient>', Material(ambient=(1, 0, 0.4))),
-    ('', '<emissive>0 1 0 1</emissive>', Material(emissive=(0, 1, 0), ambient=(1, 1, 1))),
-    ('', '<specular>0 1 0</specular>', Material(specular=(0, 1, 0), ambient=(1, 1, 1))),
-    # the goal of turtlebot3_stage_1: grey in the sun, red in the shade
-    ('Gazebo/Grey', '<ambient>1 0 0 1</ambient>', Material(
-        (0.7, 0.7, 0.7, 1), ambient=(1, 0, 0), specular=(0.01,) * 3, shininess=1.5)),
-    ('Gazebo/Gold', '<diffuse>0 0 1 1</diffuse><specular>1 0 0 1</specular>', Material(
-        (0, 0, 1, 1), ambient=(0.4, 0.249, 0.021), specular=(1, 0, 0), shininess=12.5)),
-    ('Gazebo/Gold', '<lighting>0</lighting>', Material(
-        (0, 0, 0, 1), ambient=(0, 0, 0), emissive=(1, 1, 1), shininess=12.5)),
-    ('', '<lighting>false</lighting><diffuse>1 0 0 0.5</diffuse>', Material(
-        (0, 0, 0, 0.5), ambient=(0, 0, 0), emissive=(1, 1, 1)))])
-def test_each_color_replaces_that_of_a_script(name, colors, expected):
-    inside = script(name) if name else '<material></material>'
-    assert read(inside.replace('</material>', colors + '</material>')) == (expected, '')
-
-
-def test_white_is_drawn_twice_where_it_is_transparent():
-    half, _ = read(script('Gazebo/White'), transparency='<transparency>0.5</transparency>')
-    assert half == WHITE._replace(color=(1, 1, 1, 0.75))
-
-
-@pytest.mark.parametrize('inside', [
-    '', '<material/>', '<material><lighting>1</lighting><script/></material>',
-    '<material><script><name>__default__</name><uri>__default__</uri></script></material>'])
-def test_a_material_needs_a_script_or_a_color(inside):
-    assert read(inside) == (None, '')
-
-
-@pytest.mark.parametrize('transparency, opacity', [
-    ('0', 0.5), ('0.5', 0.25), ('1', 0), ('2', 0), ('-1', 0.5)])
-def test_transparency_is_less_opacity(transparency, opacity):
-    material, _ = read('<material><diffuse>1 1 1 0.5</diffuse></material>',
-                       transparency='<transparency>{}</transparency>'.format(transparency))
-    assert material.color == (1, 1, 1, opacity)
-
-
 @pytest.mark.parametrize('uris', [
     ('model://m/scripts', 'model://m/textures'), ('model://m/scripts/a.material',),
     ('model://m/none', 'model://m/scripts')])
@@ -133,22 +83,6 @@ def test_a_script_and_its_texture(folder, uris):
     for name in ('commented', 'cours', 'Gazebo/NoSuchColor'):
         material, missing = read(script(name, *uris), find)
         assert (material, missing) == (None, 'material ' + name)
-
-
-def test_the_text_of_a_script_is_no_name():     # as in Gazebo 11
-    assert read('<material><script>Gazebo/Red</script></material>') == (
-        None, 'material Gazebo/Red (its <script> has no <name>)')
-
-
-@pytest.mark.parametrize('inside, words', [
-    ('<material><diffuse>red</diffuse></material>', "<diffuse> of visual v: got 'red'"),
-    ('<material><ambient>1 1</ambient></material>', "<ambient> of visual v: got '1 1'"),
-    ('<material><diffuse>1 1 1</diffuse></material><transparency>x</transparency>',
-     "<transparency> of visual v: got 'x'")])
-def test_wrong_numbers_are_refused(inside, words):
-    assert words in refusal(read, inside)
-    nameless = ElementTree.fromstring('<visual>{}</visual>'.format(inside))
-    assert words.replace(' v:', ' :') in refusal(materials.of_sdf, nameless, lambda uri: None)
 
 
 @pytest.mark.parametrize('uris, asked', [

@@ -3,8 +3,7 @@ import xml.etree.ElementTree as ElementTree
 
 import pytest
 
-from img_recog import rotations
-from img_recog.formats import sdf_file
+from img_recog.formats import sdf_file, sdf_files
 from img_recog.formats.problems import Problems
 from img_recog_helpers.sdf import BUILT_IN, sdf
 
@@ -108,24 +107,6 @@ def test_the_version_of_each_file_counts(folder):
     assert axes == [[0, 1, 0], [0, 0, 1]]
 
 
-def test_a_model_without_a_link_is_named(folder):
-    problems = Problems()
-    sdf_file.read(ElementTree.fromstring(
-        '<sdf version="1.6"><world name="w"><model name="a"/><model name="b"><include><uri>'
-        'model://none</uri></include></model></world></sdf>'), 'a.sdf', lambda uri: None, problems)
-    assert [each.text() for each in problems.findings] == [
-        'model a, which has no link, of a.sdf']
-
-
-def test_state_moves_the_models_that_it_names(folder):
-    contents = read(
-        folder, include('model://table', '<name>a</name>'), '<model name="b">' + LINK + '</model>',
-        '<model name="c">' + LINK + '</model>', '<state world_name="default"><model name="a">'
-        '<pose>1 0 0 0 0 0</pose></model><model name="b"><pose frame="">2 0 0 0 0 0</pose></model>'
-        '<model name="c"/><model name="d"><pose>3 0 0 0 0 0</pose></model></state>')
-    assert places(contents) == {'a': [1, 0, 1], 'b': [2, 0, 1], 'c': [0, 0, 1]}
-
-
 def test_a_model_file_is_a_world_with_the_floor(folder):
     root = ElementTree.fromstring('<sdf version="1.6"><model name="m">' + LINK + '</model></sdf>')
     contents = sdf_file.read(root, str(folder / 'a.sdf'), lambda uri: None, Problems())
@@ -216,17 +197,6 @@ def test_what_included_files_ask_for_is_found_too(folder):
         '<battery> of model table link l', 'plugin libb.so of model table']
 
 
-def test_of_two_models_of_one_name_the_first_stays(folder):
-    model(folder / 'models' / 'table' / 'model.sdf', 'table', LINK)
-    problems = Problems()
-    first, other = read(folder, include('model://table', '<pose>1 0 0 0 0 0</pose>'),
-                        '<model name="b">{}</model>'.format(LINK),
-                        '<model name="table">{}</model>'.format(LINK), found=problems).trees
-    assert (first.name, other.name) == ('table', 'b') and first.pose.translation[0] == 1
-    assert [(each.state, each.what) for each in problems.findings] == [
-        ('not used', 'second model table')]
-
-
 @pytest.mark.parametrize('inside, has_floor', [
     ('', False), (BUILT_IN, True), (include('model://ground_plane/'), True),
     (include('model://sun'), False), (include(FUEL + 'Ground Plane'), True),
@@ -235,23 +205,6 @@ def test_of_two_models_of_one_name_the_first_stays(folder):
     ('<model name="ground_plane"><static>1</static>' + LINK + '</model>', False)])
 def test_a_floor_at_z_0_is_that_of_the_simulator(folder, inside, has_floor):
     assert read(folder, inside).has_floor is has_floor
-
-
-def test_the_pose_of_the_user_camera(folder):
-    gui = '<gui><camera name="user_camera">{}</camera></gui>'
-    assert read(folder, gui.format('<pose>1 2 3 0 0 0</pose>')).camera.translation.tolist() == [
-        1, 2, 3]
-    assert read(folder, gui.format('')).camera is None and read(folder).camera is None
-
-
-@pytest.mark.parametrize('inside, words', [
-    ('<gravity>9.8</gravity>', "<gravity>: got '9.8', expected 3 finite numbers"),
-    ('<gui><camera name="user_camera"><pose>1</pose></camera></gui>',
-     '<pose> of camera user_camera')])
-def test_wrong_numbers_are_left_out(folder, inside, words):
-    contents = read(folder, inside, include('model://table'), problems=[words])
-    assert (contents.gravity, contents.camera) == (sdf_file.GRAVITY, None)
-    assert len(contents.trees) == 1
 
 
 def test_what_an_include_says_replaces_what_the_model_says(folder):
@@ -264,45 +217,13 @@ def test_what_an_include_says_replaces_what_the_model_says(folder):
     assert [tree.fixed for tree in contents.trees] == [True, True, False]
 
 
-def test_the_state_has_six_numbers_and_replaces_the_pose(folder):
-    tree, = read(folder, '<model name="a"><pose>9 9 9 1 1 1</pose>{}</model>'.format(
-        LINK.replace('0 0 1', '0 0 0')), '<state><model name="a"><pose>1 2 3 0.1 0.2 0.3</pose>'
-        '</model></state>').trees
-    assert tree.pose.translation == pytest.approx((1, 2, 3))
-    assert rotations.to_rpy(tree.pose.rotation) == pytest.approx((0.1, 0.2, 0.3))
-
-
-def test_the_state_moves_lights(folder):
-    found = read(folder, '<light name="a" type="point"/><light name="b" type="point"/><state>'
-                 '<light name="a"><pose>1 2 3 0 0 0</pose></light><light name="c"/></state>')
-    assert [light.pose.translation.tolist() for light in found.lights] == [[1, 2, 3], [0, 0, 0]]
-
-
-def test_the_state_moves_the_links_of_nested_models_and_scales_shapes(folder):
-    def solid(name, geometry):
-        return '<link name="{0}"><collision name="c"><geometry>{1}</geometry></collision></link>' \
-            .format(name, geometry)
-    trees = read(
-        folder, '<model name="a">{}<model name="in">{}</model><model name="at">{}</model>'
-        '</model>'.format(
-            solid('s', '<sphere><radius>1</radius></sphere>') + solid(
-                'c', '<cylinder><radius>1</radius><length>1</length></cylinder>'),
-            solid('b', '<box><size>1 2 3</size></box>'), LINK),
-        '<state><model name="a"><scale>2 2 3</scale><model name="in"><scale>1 1 2</scale>'
-        '<link name="b"><pose>4 1 0 0 0 0</pose></link></model><model name="at">'
-        '<pose>5 1 0 0 0 0</pose></model><model name="other"/></model></state>').trees
-    found = [(tree.pose.translation.tolist(), [solid.shape.size for link in tree.model.links
-                                               for solid in link.solids]) for tree in trees]
-    assert found == [([0, 0, 0], [(3,)]), ([0, 0, 0], [(2, 3)]), ([4, 1, 0], [(1, 2, 6)]),
-                     ([5, 1, 1], [])]
-
-
-@pytest.mark.parametrize('inside, gravity', [
-    ('', sdf_file.GRAVITY), ('<gravity>1 2 3</gravity>', (1, 2, 3)),
-    ('<physics><gravity>1 2 3</gravity></physics>', sdf_file.GRAVITY),
-    ('<physics><gravity>1 2 3</gravity></physics><gravity>4 5 6</gravity>', (4, 5, 6)),
-    ('<physics/>', sdf_file.GRAVITY)])
-def test_gravity(folder, inside, gravity):
-    contents = read(folder, inside)
-    assert contents.gravity == gravity
-    assert contents.trees == ()
+def test_relative_paths(tmp_path):
+    (tmp_path / 'meshes').mkdir()
+    (tmp_path / 'meshes' / 'a.stl').write_text('')
+    found = {'model://b': 'found', 'file://elsewhere/a.stl': 'there'}
+    find = sdf_files.find_relative(str(tmp_path), found.get)
+    assert find('meshes/a.stl') == str(tmp_path / 'meshes' / 'a.stl')
+    assert find('file://meshes') == str(tmp_path / 'meshes')
+    assert find('file://' + str(tmp_path / 'meshes')) == str(tmp_path / 'meshes')
+    assert (find('model://b'), find('none'), find('')) == ('found', None, None)
+    assert find('file://elsewhere/a.stl') == 'there'

@@ -3,7 +3,7 @@ import numpy as np
 import pybullet
 import pytest
 
-from img_recog_helpers.sdf import INERTIAL, convert, figures, load, model, simulated
+from img_recog_helpers.sdf import INERTIAL, figures, load, model, simulated
 
 LINK = '<link name="{}"><pose>{} 0 0 0</pose>' + INERTIAL + '</link>'
 JOINT = '<joint name="{}" type="{}"><parent>{}</parent><child>{}</child>{}</joint>'
@@ -106,73 +106,3 @@ def test_axes_of_any_length_and_direction(kind, axes, positions):
     simulator = simulated(model('m', ARM.format(kind, axes)))
     found = figures(simulator, 0.5).joints()['m::j']
     assert found[::2] == pytest.approx(positions, abs=2e-3)
-
-
-def joints_of(tree):
-    return [(joint.name, joint.parent, joint.child, joint.axis.tolist())
-            for joint in tree.model.joints]
-
-
-TWO = LINK.format('a', '0 0 0') + LINK.format('b', '1 2 3')
-AXES = '<axis><xyz>1 0 0</xyz></axis><axis2><xyz>0 1 0</xyz></axis2>'
-
-
-def test_axes_of_a_joint_that_points_to_the_root():
-    tied = JOINT.format('w', 'fixed', 'world', 'a', '')
-    tree, = convert(TWO, tied, JOINT.format('j', 'universal', 'a', 'b', AXES))
-    assert joints_of(tree) == [('j::axis_1', 'a', 'j::axis_1', [1, 0, 0]),
-                               ('j', 'j::axis_1', 'b', [0, 1, 0])]
-    tree, = convert(TWO, tied, JOINT.format('j', 'universal', 'b', 'a', AXES))
-    assert joints_of(tree) == [('j::axis_1', 'a', 'j::axis_1', [0, -1, 0]),
-                               ('j', 'j::axis_1', 'b', [-1, 0, 0])]
-
-
-@pytest.mark.parametrize('kind, why', [
-    *((kind, ', which closes a loop of links,') for kind in ('revolute', 'prismatic', 'fixed')),
-    ('gearbox', ' of type gearbox, of which the links do not turn about its axes')])
-def test_a_joint_of_a_loop_is_left_out_with_a_line_and_holds_nothing(kind, why):
-    tree, = convert(TWO, JOINT.format('one', 'revolute', 'a', 'b', ABOUT_Y),
-                    JOINT.format('two', kind, 'a', 'b', AXES),
-                    findings=('joint two{} of model m'.format(why),))
-    assert [(joint.name, joint.kind) for joint in tree.model.joints] == [('one', 'continuous')]
-
-
-@pytest.mark.parametrize('one, other', ['ab', 'yz', 'zy'])
-def test_names_of_links_around_that_of_the_world(one, other):
-    links = LINK.format(one, '0 0 0') + LINK.format(other, '1 2 3')
-    joint = JOINT.format('j', 'revolute', one, other, ABOUT_Y)
-    tree, = convert(links, JOINT.format('w', 'fixed', 'world', one, ''), joint)
-    assert joints_of(tree) == [('j', one, other, [0, 1, 0])] and tree.fixed
-    tree, = convert(links, joint)
-    assert joints_of(tree) == [('j', one, other, [0, 1, 0])] and not tree.fixed
-    tree, = convert(links, joint, JOINT.format('w', 'revolute', other, 'world', ABOUT_Y))
-    assert [each[:3] for each in joints_of(tree)] == [('w', 'world', other), ('j', other, one)]
-
-
-def test_joints_of_a_model_in_a_model():
-    inner = '<model name="n">' + LINK.format('b', '1 2 3') + '{}</model>'
-    tree, = convert(LINK.format('a', '0 0 0'), '<frame name="g" attached_to="f"/>',
-                    '<frame name="f" attached_to="a"/>', inner.format(''),
-                    JOINT.format('j', 'revolute', 'g', 'n::b', ABOUT_Y),
-                    JOINT.format('k', 'revolute', 'a', 'a', ABOUT_Y),
-                    findings=('joint k, which joins a link to itself, of m',))
-    assert joints_of(tree) == [('j', 'a', 'n::b', [0, 1, 0])]
-    trees = convert(inner.format(JOINT.format('j', 'fixed', 'b', 'c', '')), problems=[
-        'joint n::j has the link n::c, which does not exist'])
-    assert [tree.name for tree in trees] == ['m']
-    two = inner.format(LINK.format('c', '0 0 0') + JOINT.format('j', 'revolute', 'b', 'c', ''))
-    tree, = convert(two)
-    assert joints_of(tree) == [('n::j', 'n::b', 'n::c', [0, 0, 1])]
-    convert(TWO, '<joint name="j"><parent>a</parent><child>b</child></joint>',
-            problems=['joint j of type , which is held'])
-
-
-def test_a_loop_between_what_does_not_move_is_nothing():
-    tree, = convert(
-        '<model name="n"><static>1</static>' + LINK.format('s', '0 0 0') + '</model>', TWO,
-        JOINT.format('one', 'revolute', 'n::s', 'a', ABOUT_Y),
-        JOINT.format('two', 'revolute', 'world', 'n::s', ABOUT_Y),
-        JOINT.format('three', 'revolute', 'a', 'b', ABOUT_Y),
-        JOINT.format('four', 'ball', 'world', 'b', ''),
-        findings=('joint four, which closes a loop of links, of model m',))
-    assert [joint.name for joint in tree.model.joints] == ['one', 'three']

@@ -28,22 +28,6 @@ def places(trees):
     return np.array([tree.pose.translation for tree in trees]) - (10, 0, 1.1)
 
 
-def test_a_grid_has_rows_along_y(read):
-    trees = read(POPULATION.format(TYPE.format(
-        'grid', '<rows>2</rows><cols>3</cols><step>0.5 2 1</step>')))
-    assert [tree.name for tree in trees] == ['can_clone_{}'.format(each) for each in range(6)]
-    assert places(trees) == pytest.approx(np.array(
-        [(0, 0, 0), (0.5, 0, 0), (1, 0, 0), (0, 2, 0), (0.5, 2, 0), (1, 2, 0)]))
-
-
-@pytest.mark.parametrize('axis, ends', [('x', 2), ('y', 1), ('z', 0.25)])
-def test_a_line_goes_through_the_box(read, axis, ends):
-    trees = read(POPULATION.format(COUNT.format(5) + BOX + TYPE.format('linear-' + axis, '')))
-    expected = np.zeros((5, 3))
-    expected[:, 'xyz'.index(axis)] = np.linspace(-ends, ends, 5)
-    assert places(trees) == pytest.approx(expected)
-
-
 def test_what_a_model_includes_is_a_part_of_its_copies(read, tmp_path):
     (tmp_path / 'part').mkdir()
     (tmp_path / 'part' / 'a.obj').write_text('v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n')
@@ -86,25 +70,6 @@ def test_places_in_a_cylinder(read):
     assert 170 <= (found[:, 0] > 0).sum() <= 230 and 170 <= (found[:, 1] > 0).sum() <= 230
 
 
-@pytest.mark.parametrize('inside, words', [
-    (COUNT.format(9999), '<model_count> of population cans: got 9999, expected 0 to 5000'),
-    (COUNT.format('many'), "<model_count> of population cans: got 'many', expected a whole"),
-    (COUNT.format(-1), '<model_count> of population cans: got -1, expected 0 to 5000'),
-    (TYPE.format('linear-x', ''), 'population cans, whose distribution is linear-x'),
-    (BOX + TYPE.format('linear-w', ''), 'population cans, whose distribution is linear-w'),
-    (BOX + TYPE.format('x', ''), 'population cans, whose distribution is x'),
-    (COUNT.format(2) + BOX + TYPE.format('gaussian', ''),
-     'population cans, whose distribution is gaussian')])
-def test_what_cannot_be_placed_is_named(read, inside, words):
-    assert words in refusal(read, POPULATION.format(inside))
-
-
-def test_a_population_without_a_model_and_an_actor_are_named(read):
-    assert 'population cans has no <model>' in refusal(read, '<population name="cans"/>')
-    assert 'population  has no <model>' in refusal(read, '<population/>')
-    assert 'actor walker' in refusal(read, '<actor name="walker"/>')
-
-
 def test_a_road_is_drawn_just_above_the_floor_and_carries_nothing(read):
     tree, = read('<road name="main"><width>2</width><point>0 0 0</point><point>10 0 0</point>'
                  '</road>')
@@ -121,26 +86,6 @@ def test_a_road_is_drawn_just_above_the_floor_and_carries_nothing(read):
     assert look.material.color == pytest.approx((0.33, 0.329, 0.323, 1), abs=1e-3)
 
 
-def test_a_road_of_one_point_is_named(read):
-    assert 'road lane has 1 points, expected 2 or more' in refusal(
-        read, '<road name="lane"><point>0 0 0</point></road>')
-
-
-@pytest.mark.parametrize('inside, expected', [
-    (TYPE.format('grid', '<cols>3</cols>'), [(0, 0, 0), (0.5, 0, 0), (1, 0, 0)]),
-    (TYPE.format('grid', '<rows>2</rows>'), [(0, 0, 0), (0, 0.5, 0)]),
-    (TYPE.format('grid', '<rows>0</rows>'), []), ('', [(0, 0, 0)]), (COUNT.format(0), []),
-    (COUNT.format(3) + TYPE.format('uniform', ''), [(0, 0, 0)] * 3),
-    (COUNT.format(0) + TYPE.format('uniform', ''), []),
-    ('<box/>' + COUNT.format(2) + TYPE.format('linear-x', ''), [(-0.5, 0, 0), (0.5, 0, 0)]),
-    ('<box/>' + COUNT.format(2) + TYPE.format('linear-z', ''), [(0, 0, -0.5), (0, 0, 0.5)])])
-def test_what_a_population_may_omit(read, inside, expected):
-    trees = read(POPULATION.format(inside))
-    assert len(trees) == len(expected)
-    if expected:
-        assert places(trees) == pytest.approx(np.array(expected))
-
-
 def test_a_cylinder_has_a_radius_and_length_of_1_m(read):
     found = places(read(POPULATION.format(COUNT.format(100) + '<cylinder/>')))
     assert 0.9 < np.linalg.norm(found[:, :2], axis=1).max() <= 1
@@ -151,18 +96,6 @@ def test_many_uniform_places_are_random(read):
     several = [places(read(POPULATION.format(COUNT.format(301) + BOX + TYPE.format(kind, ''))))
                for kind in ('uniform', 'random')]
     assert np.array_equal(*several)
-
-
-def test_the_poses_of_population_and_model_both_count(read):
-    tree, other = read(POPULATION.format(TYPE.format(
-        'grid', '<cols>2</cols><step>2 3 4</step>')).replace(
-        '10 0 1 0 0 0', '10 20 30 0 0 1.5707963').replace('0 0 0.1 0 0 0', '1 2 3 0 0 0.5'))
-    assert tree.pose.translation == pytest.approx([8, 21, 33], abs=1e-5)
-    assert other.pose.translation == pytest.approx([8, 23, 33], abs=1e-5)
-    angle = 1.5707963 + 0.5
-    assert tree.pose.rotation == pytest.approx(np.array([
-        [np.cos(angle), -np.sin(angle), 0], [np.sin(angle), np.cos(angle), 0], [0, 0, 1]]),
-        abs=1e-5)
 
 
 ASIDE = 0.5 * np.sqrt(0.5)

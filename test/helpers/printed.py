@@ -1,0 +1,65 @@
+"""Models and settings as text: what is as by default is left out."""
+import numpy as np
+
+from img_recog.rotations import Transform, to_rpy
+
+
+def text(value):
+    """Return a value as text; of a NamedTuple, the fields that differ from the default."""
+    if isinstance(value, Transform):
+        return text([*value.translation, *np.trim_zeros(to_rpy(value.rotation).round(6), 'b')])
+    if isinstance(value, np.ndarray):
+        if value.shape == (3, 3):       # symmetric
+            value = value[np.triu_indices(3)] if np.any(value - np.diag(np.diag(value))) else (
+                np.diag(value))
+        return text(value.tolist())
+    if isinstance(value, float):
+        return '{:.6g}'.format(round(value, 9) + 0.0 if abs(value) < 1e6 else value)
+    if hasattr(value, '_fields'):
+        return ', '.join(fields(value))
+    if isinstance(value, dict):
+        return ', '.join('{} {}'.format(*map(text, item)) for item in value.items())
+    if isinstance(value, (tuple, list)):
+        return ' '.join(map(text, value)) or '()'
+    return str(value)
+
+
+def fields(value, *others):
+    """Return the fields of a NamedTuple with their names, but for those of the names `others`."""
+    found = []
+    for name, content in zip(value._fields, value):
+        if name in value._field_defaults:
+            if name not in others and text(content) != text(value._field_defaults[name]):
+                found.append('{} {}'.format(name, _inside(content)))
+        else:
+            found.append(_inside(content))
+    return found
+
+
+def _inside(value):
+    is_tuple = hasattr(value, '_fields') and not isinstance(value, Transform)
+    return '({})'.format(text(value)) if is_tuple else text(value)
+
+
+def model(found):
+    """Return the lines of a Model, but for its name."""
+    lines = []
+    for link in found.links:
+        lines.append('link ' + ', '.join(fields(link, 'solids', 'looks', 'lights')))
+        for name in ('solids', 'looks', 'lights'):
+            lines.extend('  {} {}'.format(name[:-1], text(each)) for each in getattr(link, name))
+    lines.extend('joint ' + text(each) for each in found.joints)
+    moved = {name: frame for name, frame in found.frames.items() if name != frame.link}
+    lines.extend('frame {}: in {}'.format(name, text(frame)) for name, frame in moved.items())
+    for name in ('missing_meshes', 'missing_looks', 'warnings', 'left_out', 'changed_inertias',
+                 'held', 'gears'):
+        lines.extend('{}: {}'.format(name.replace('_', ' '), text(each))
+                     for each in getattr(found, name))
+    lines.extend('contacts of {}: {}'.format(*map(text, each)) for each in found.surfaces.items())
+    return lines
+
+
+def tree(found):
+    """Return the lines of a Tree."""
+    return [', '.join(['tree ' + found.name, *fields(found, 'model')[2:]]),
+            *('  ' + line for line in model(found.model))]
