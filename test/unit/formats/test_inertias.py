@@ -3,7 +3,6 @@ import numpy as np
 import pytest
 
 from img_recog.formats import inertias
-from img_recog.model import NO_INERTIA
 from img_recog_helpers import parsed
 from img_recog_helpers.refusals import refusal
 
@@ -67,28 +66,6 @@ def test_the_margin(given, nearest):
 def test_a_small_change_is_not_worth_a_warning(excess, is_said):
     found = inertias.possible('l', 1.0, np.diag((1.0, 2.0, 3.0 + excess)))
     assert (found.warning != '') is is_said
-
-
-def test_the_inertia_of_a_link_is_in_its_frame():
-    # a quarter turn about z: x of the inertia is y of the link
-    found = NO_INERTIA.plus(read(
-        '<inertial><origin xyz="1 2 3" rpy="0 0 1.5707963267948966"/><mass value="4"/>'
-        '<inertia ixx="1" ixy="0.1" ixz="0.2" iyy="2" iyz="0.3" izz="3"/></inertial>'))
-    assert found.mass == 4.0 and found.pose.translation.tolist() == [1, 2, 3]
-    assert found.matrix == pytest.approx(
-        np.array([[2, -0.1, -0.3], [-0.1, 1, 0.2], [-0.3, 0.2, 3]]))
-
-
-def test_elements_that_are_missing_are_zero():
-    found = read('<inertial><mass value="0.5"/><inertia ixx="1" izz="3"/></inertial>')
-    assert found.mass == 0.5 and found.matrix.tolist() == np.diag((1, 0, 3)).tolist()
-    assert found.pose.translation.tolist() == [0, 0, 0]
-
-
-def test_a_link_without_a_mass_has_no_inertia():
-    found = read('<inertial><mass value="0"/><inertia ixx="1"/></inertial>')
-    assert found.mass == 0.0 and not found.matrix.any()
-    assert read('') is None
 
 
 @pytest.mark.parametrize('inertial, wanted', [

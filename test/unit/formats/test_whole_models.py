@@ -7,23 +7,26 @@ from img_recog import model
 from img_recog.formats import sdf_file
 from img_recog.formats.problems import Problems
 from img_recog_helpers import expected, printed
+from img_recog_helpers.parsed import given, lumped
 from img_recog_helpers.sdf import sdf
 
 # of a WorldFile, what is printed apart, or is empty until problems are added
 APART = 'trees', 'lights', 'has_floor', 'missing_looks', 'left_out', 'findings'
-FILES = 'a.stl', 'b.DAE', 'a.ply', 'a.tif', 'folder/a.stl'
 
 
 @pytest.fixture
 def find(tmp_path):
-    """A function that finds the files, and is for `Problems`."""
-    for name in FILES:
-        (tmp_path / name).parent.mkdir(exist_ok=True)
-        (tmp_path / name).write_text('')
+    """A function that finds all files but those that are called none."""
+    (tmp_path / 'folder').mkdir()
 
     def path_of(uri):
-        path = tmp_path / uri.partition('://')[2]
-        return str(path) if path.exists() else None
+        name = uri.partition('://')[2]
+        if not name or 'none' in name or '/' in name:
+            return None
+        path = tmp_path / name
+        if not path.exists():
+            path.write_text('')
+        return str(path)
     return path_of
 
 
@@ -42,6 +45,15 @@ def test_of_an_sdf(find, tmp_path, name):
             *('{}: {}'.format(finding.state, finding.text()) for finding in problems.findings)]
         ).replace(str(tmp_path), '')
     expected.check_cases('models/{}.txt'.format(name), read)
+
+
+@pytest.mark.parametrize('name, read', [('urdf_links', given), ('urdf_robots', lumped)])
+def test_of_a_urdf(find, tmp_path, name, read):
+    def robot(text):
+        model = read(text, find)
+        return '\n'.join(['robot ' + model.name, *printed.model(model)]).replace(
+            str(tmp_path), '')
+    expected.check_cases('models/{}.txt'.format(name), robot)
 
 
 def test_what_is_as_by_default():

@@ -1,7 +1,5 @@
 """Simulators as node, replay and tests build them: what they are made of, warnings, refusals."""
-import re
 
-import pybullet
 import pytest
 
 from img_recog.conversions.sensor_table import SENSORS
@@ -49,16 +47,6 @@ def test_tags_of_links_that_are_not_there_are_not_used():
     assert robot.warnings[0].startswith('robot.urdf: link loose can move (joint loose_joint) but')
     assert robot.warnings[1:] == (
         'robot.urdf: not used: the <gazebo> tag, as there is no such link, of lost, loose',)
-
-
-@pytest.mark.parametrize('given, used', [('100000', 1e5), ('0.5', 0.5)])
-def test_the_friction_of_a_wheel_is_that_of_its_tag(given, used):
-    urdf = re.sub('<mu([12])>0.1', r'<mu\1>' + given, burger())
-    robot = assemble(urdf=urdf).simulator.vehicles[0].robot
-    for joint in ('wheel_left_joint', 'wheel_right_joint'):
-        found = pybullet.getDynamicsInfo(robot.body_id, robot.joints[joint],
-                                         physicsClientId=robot.physics_client_id)
-        assert found[1] == used
 
 
 @pytest.mark.parametrize('odometry, origin', [('world', (0.0, 0.0, 0.0)),

@@ -1,17 +1,11 @@
 """What sinks into a floor, rests and bounces, against Gazebo 11 (recorded figures)."""
-import xml.etree.ElementTree as ElementTree
 
 import pytest
 
-from img_recog.formats.urdf import read
-from img_recog.model import Contact
 from img_recog_helpers import sdf
 
 BALL, BOX = sdf.ball(0.1), sdf.box(0.2, 0.2, 0.2)
 CYLINDER = '<cylinder><radius>0.1</radius><length>0.2</length></cylinder>'
-URDF = ('<robot name="r"><link name="l"><inertial><mass value="1"/><inertia ixx="1" iyy="1" '
-        'izz="1" ixy="0" ixz="0" iyz="0"/></inertial><collision><geometry><sphere radius="1"/>'
-        '</geometry></collision></link><gazebo reference="l">{}</gazebo></robot>')
 
 
 def surface(contact='', bounce=''):
@@ -65,12 +59,3 @@ def test_a_contact_without_stiffness_holds_nothing():
 def test_how_high_a_ball_comes_back(contact, bounce, found):
     measured = heights(BALL, 1.1, 1, contact, list(found), bounce)
     assert measured == pytest.approx(list(found.values()), abs=0.015)
-
-
-@pytest.mark.parametrize('tags, contact', [
-    ('<kp>1e5</kp><kd>10</kd>', Contact(1e5, 10)), ('<kd>10</kd>', Contact()),
-    ('<kp>500000.0</kp><kd>10.0</kd><maxVel>0.1</maxVel>', Contact(5e5, 10, 0.1)),
-    ('<kp>1e13</kp><kd>1</kd>', Contact()), ('<mu1>1</mu1>', Contact())])
-def test_tags_of_a_urdf(tags, contact):
-    (link,) = read(ElementTree.fromstring(URDF.format(tags)), lambda uri: None).links
-    assert link.solids[0].contact == contact

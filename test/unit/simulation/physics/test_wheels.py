@@ -180,14 +180,6 @@ def test_what_is_worth_a_warning(measured, given, diameter, count):
     assert len(measured.warnings(drive, given)) == count
 
 
-@pytest.mark.parametrize('axis, wanted', [
-    ('', (1, 0, 0)), ('<axis/>', (1, 0, 0)), ('<axis xyz="0 3 -4"/>', (0, 0.6, -0.8))])
-def test_the_axis_of_a_joint(axis, wanted):
-    joint, = given('<robot><link name="a"/><link name="b"/><joint name="j" type="continuous">'
-                   '<parent link="a"/><child link="b"/>{}</joint></robot>'.format(axis)).joints
-    assert joint.axis == pytest.approx(wanted)
-
-
 def outline(path, axis, inside='', origin=''):
     link, = given(
         '<robot><link name="a"><collision>{}<geometry><mesh filename="{}" {}/></geometry>'

@@ -10,7 +10,6 @@ from img_recog.simulation.pictures.visual_scene import Parts
 from img_recog.simulation.sensors import robot_camera
 from img_recog.simulation.sensors.robot_camera import RobotCamera
 from img_recog.simulation.simulation_settings import CameraSettings
-from img_recog_helpers.refusals import refusal
 from img_recog_helpers.robots import assemble, burger
 from img_recog_helpers.sdf import BUILT_IN, CRATE, SHELF, model, sdf
 
@@ -130,16 +129,6 @@ def test_a_material_of_gazebo_or_of_an_sdf_replaces_that_of_the_mesh(tmp_path):
     meshes = [each for each in read(built)[0].visuals if each.shape.kind == MESH]
     assert [(each.material.color, each.prefers_file) for each in meshes] == [
         ((0.0, 0.0, 1.0, 1.0), False)] * 2
-
-
-@pytest.mark.parametrize('inside, words', [
-    ('', 'has no geometry'), ('<geometry><ring/></geometry>', 'got the geometry ring'),
-    ('<geometry><box size="1 2"/></geometry>', "size of box: got '1 2', expected 3"),
-    ('<geometry><sphere radius="1"/></geometry><material name="m"><color rgba="red"/></material>',
-     "rgba of material m: got 'red'")])
-def test_refuses(inside, words):
-    line = refusal(assemble, urdf=with_visual(inside))
-    assert line.startswith('cannot use the robot in robot_description: ') and words in line
 
 
 def test_a_camera_on_the_robot_reads_its_pose_and_all_others():
