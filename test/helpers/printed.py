@@ -20,7 +20,7 @@ def text(value):
     if isinstance(value, dict):
         return ', '.join('{} {}'.format(*map(text, item)) for item in value.items())
     if isinstance(value, (tuple, list)):
-        return ' '.join(map(text, value)) or '()'
+        return ' '.join(map(_inside, value)) or '()'
     return str(value)
 
 

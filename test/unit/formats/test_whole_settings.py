@@ -1,0 +1,47 @@
+"""The settings in <gazebo> tags, whole: files of test/expected/models have texts of such tags."""
+import pytest
+
+from img_recog.conversions.sensor_table import SENSORS
+from img_recog.formats import drive_tags, urdf
+from img_recog.model import Tag
+from img_recog.settings import setting_fields
+from img_recog.simulation.robot_spec import settings_in_tag
+from img_recog.simulation.sensors import in_files
+from img_recog.simulation.sensors.sensor import sensors_of
+from img_recog_helpers import expected, printed
+
+
+def lines_of(tags, step_s):
+    root = urdf.root_of('<robot name="r">{}</robot>'.format(tags))
+    drive = drive_tags.find(root, step_s)
+    values, sensors, problems = in_files.read(
+        [Tag(tag.get('reference', ''), tag) for tag in root.findall('gazebo')], step_s, SENSORS,
+        drive and drive.tags)
+    if drive:
+        yield 'drive: ' + printed.text(drive.values)
+        problems += drive.problems
+    in_tags = sensors_of(SENSORS, sensors)
+    of_sensors = {name for sensor in in_tags for name in sensor.values}
+    yield from ('{}: {}'.format(name, printed.text(value)) for name, value in values.items()
+                if name not in of_sensors)
+    for sensor in in_tags:
+        if sensor.place or sensor.values:
+            lens = getattr(settings_in_tag(sensor), 'lens', None)
+            yield '{}: {}{}'.format(
+                sensor.name, ', '.join(printed.fields(sensor._replace(kind=None), 'number')[2:]),
+                ', lens ({})'.format(printed.text(lens)) if lens else '')
+    yield from ('not simulated: ' + problem for problem in problems)
+
+
+@pytest.mark.parametrize('name, step_s', [
+    ('tags', 0.001), ('cameras', 0.001), ('refused_tags', 0.001), ('tags_at_4_ms', 0.004)])
+def test_of_tags(name, step_s):
+    expected.check_cases('models/{}.txt'.format(name),
+                         lambda tags: '\n'.join(lines_of(tags, step_s)))
+
+
+@pytest.mark.parametrize('kind', SENSORS, ids=lambda kind: kind.name)
+def test_tags_and_defaults_of_plugins_are_of_settings_that_there_are(kind):
+    named = {row.setting for row in kind.tags.rows if not row.reader.of_element}.union(
+        [kind.tags.frame] * bool(kind.tags.frame), *kind.tags.defaults.values())
+    assert named <= {field.name for field in setting_fields(kind.settings)}
