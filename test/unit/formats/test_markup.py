@@ -47,13 +47,18 @@ HOSTILE_XML = {
 
 
 @pytest.mark.parametrize('text, words', list(HOSTILE_XML.values()), ids=list(HOSTILE_XML))
-def test_hostile_xml_is_one_line_wherever_it_is_read(tmp_path, text, words):
+def test_hostile_xml_is_one_line(text, words):
     assert words in refusal(markup.parse_xml, text)
+
+
+@pytest.mark.parametrize('name', ['laughs', 'NUL', 'surrogate'])
+def test_hostile_xml_is_one_line_wherever_it_is_read(tmp_path, name):
+    text, words = HOSTILE_XML[name]
     assert words in refusal(lumped, text)
     line = refusal(read_robot, text, 0.001, lambda uri: None, 'robot_description')
     assert line.startswith('cannot use the robot in robot_description: ') and words in line
-    for name in ('robot.world', 'robot.xacro', 'robot.urdf'):
-        (tmp_path / name).write_bytes(text.encode('utf-8', 'surrogatepass'))
+    for file in ('robot.world', 'robot.xacro'):
+        (tmp_path / file).write_bytes(text.encode('utf-8', 'surrogatepass'))
     line = refusal(world_file.read, str(tmp_path / 'robot.world'), {})
     assert str(tmp_path / 'robot.world') in line and words in line
     line = refusal(robot_file.read, str(tmp_path / 'robot.xacro'))
@@ -72,8 +77,7 @@ def test_hostile_xml_is_one_line_wherever_it_is_read(tmp_path, text, words):
          'most elements', 'most attributes', 'long comment'])
 def test_other_xml_is_read_like_by_elementtree(text):
     expected = ElementTree.tostring(ElementTree.fromstring(text))
-    for each in (text, text.encode()):
-        assert ElementTree.tostring(markup.parse_xml(each)) == expected
+    assert ElementTree.tostring(markup.parse_xml(text)) == expected
 
 
 @pytest.mark.parametrize('text, same', [
@@ -99,7 +103,6 @@ def test_what_tinyxml_reads_is_read(text, same):
     ('<a b="&"></b>', 'not well-formed (invalid token): line 1'),
     ('<a b/>', 'not well-formed'), ('<a b="1" b="2"/>', 'duplicate attribute'),
     ('<a>&<!-- </a>', 'not well-formed'), ('<a>& < b</a>', 'not well-formed'),
-    ('<a>&' + '<b/>' * 700000 + '</a>', 'not well-formed'),
     ('&' + '<a>' * 101 + '</a>' * 101, 'not well-formed')])
 def test_what_tinyxml_refuses_too_has_the_error_of_the_text_itself(text, words):
     assert 'not XML: ' + words in refusal(markup.parse_xml, text)

@@ -5,12 +5,15 @@ import numpy as np
 import pytest
 
 from img_recog import rotations
+from img_recog.formats import world_file
 from img_recog.rendering.camera import Camera
 from img_recog.rendering.opengl import Renderer
+from img_recog.simulation import assembly
 from img_recog.simulation.pictures import visual_scene
 from img_recog.simulation.pictures.visual_scene import Parts
+from img_recog.simulation.simulation_settings import PhysicsSettings
 from img_recog_helpers.drawn import at, looking_down
-from img_recog_helpers.robots import assemble
+from img_recog_helpers.sdf import sdf
 
 TOLERANCE = 8
 CAMERA = Camera(160, 120, 1.0)
@@ -51,14 +54,15 @@ def cone(inner, outer, falloff):
         '</spot>'.format(inner, outer, falloff))
 
 
-@pytest.fixture
-def seen(tmp_path):
+@pytest.fixture(scope='module')
+def seen():
     """A function that returns the colors of points (n, 3) of a world in the image of a camera."""
+    renderer = Renderer()
+
     def draw(inside, pose, points):
-        path = tmp_path / 'a.world'
-        path.write_text('<sdf version="1.6"><world name="w">{}</world></sdf>'.format(inside))
-        built = assemble(str(path), x=-90.0)
-        parts, renderer = Parts(built.simulator), Renderer()
+        world = world_file.read('a.world', {}, read_file=lambda path: sdf(inside))
+        built = assembly.build(PhysicsSettings(), world, [])
+        parts = Parts(built.simulator)
         assert renderer.load(visual_scene.read(built.scene, parts), parts.poses()) == []
         image = renderer.draw(CAMERA, pose, parts.poses())
         fx, fy, cx, cy = CAMERA.intrinsics
