@@ -1,8 +1,9 @@
-"""The settings in <gazebo> tags, whole: files of test/expected/models have texts of such tags."""
+"""The settings in <gazebo> tags and of controllers, whole: texts are in test/expected/models."""
 import pytest
 
 from img_recog.conversions.sensor_table import SENSORS
-from img_recog.formats import drive_tags, urdf
+from img_recog.formats import drive_controllers, drive_tags, urdf
+from img_recog.formats.yaml_text import load_yaml
 from img_recog.model import Tag
 from img_recog.settings import setting_fields
 from img_recog.simulation.robot_spec import settings_in_tag
@@ -38,6 +39,25 @@ def lines_of(tags, step_s):
 def test_of_tags(name, step_s):
     expected.check_cases('models/{}.txt'.format(name),
                          lambda tags: '\n'.join(lines_of(tags, step_s)))
+
+
+def test_of_controllers():
+    robot = urdf.root_of(
+        '<robot><gazebo><plugin filename="libgazebo_ros_control.so"/></gazebo>{}</robot>'.format(
+            ''.join('<joint name="{}"/>'.format(name)
+                    for name in ('a', 'b', 'c', 'd', 'l_wheel_joint', 'r_wheel_joint'))))
+
+    def lines(controllers):
+        def find(namespace):
+            return controllers
+        found = drive_controllers.find(robot, find, 0.001)
+        if found:
+            yield 'drive: ' + printed.text(found.values)
+        yield 'joint states: ' + printed.text(drive_controllers.joint_states(robot, find, 0.001))
+        yield from ('not simulated: ' + each for each in (
+            found.problems if found else drive_controllers.not_simulated(robot, controllers)))
+    expected.check_cases('models/controllers.txt', lambda text: '\n'.join(
+        lines(drive_controllers.among(load_yaml(text.encode()), ''))))
 
 
 @pytest.mark.parametrize('kind', SENSORS, ids=lambda kind: kind.name)
