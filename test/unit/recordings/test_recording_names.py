@@ -24,12 +24,12 @@ PICTURES = 'bmp', 'jp2', 'jpg', 'png', 'ppm', 'ras', 'sr', 'tiff', 'webp'
 def films(tmp_path_factory):
     """A folder with a short film of each kind, named by its kind."""
     folder = tmp_path_factory.mktemp('films')
-    for kind in FILMS:
-        # 352x288 at 25 Hz: of all containers, some take only a few sizes and rates
-        subprocess.check_call([
-            'ffmpeg', '-loglevel', 'error', '-f', 'lavfi', '-i', 'testsrc=size=352x288:rate=25',
+    # 352x288 at 25 Hz: of all containers, some take only a few sizes and rates
+    subprocess.check_call([
+        'ffmpeg', '-loglevel', 'error', '-f', 'lavfi', '-i', 'testsrc=size=352x288:rate=25',
+        *(word for kind in FILMS for word in [
             '-frames:v', '5', *(['-pix_fmt', 'yuv420p'] if kind == 'y4m' else []),
-            str(folder / ('film.' + kind))])
+            str(folder / ('film.' + kind))])])
     return folder
 
 

@@ -8,7 +8,7 @@ from img_recog.recognition.fitting.boxes import BoxSearch, Found, Objective
 from img_recog.recognition.fitting.histograms import HUES, LEVELS, SHAPE, UNIT, Sampled
 from img_recog.recognition.fitting.limits import TIE
 from img_recog.recognition.fitting.score import Score
-from img_recog.recognition.fitting.volume import Box, box_of, edges_of
+from img_recog.recognition.fitting.volume import Box, SummedVolume, box_of, edges_of
 
 PIXELS, FRAMES, MARGIN = OBJECTIVES = 'pixels', 'frames', 'margin'
 # how far a bound may be beyond the outermost sample where there is none of another color
@@ -35,13 +35,10 @@ class Fit(NamedTuple):
     margin: Tuple[Optional[int], ...]
 
 
-def score_of(box: Box, positive: np.ndarray, negative: np.ndarray) -> Score:
-    """Return the score of bounds in pixels; positive, negative: as in Sampled."""
-    edges = edges_of(box, HUES)
-    part = np.ix_(*(np.arange(low, end) % size
-                    for low, end, size in zip(edges[::2], edges[1::2], SHAPE)))
-    inside, wrong = int(positive[part].sum()), int(negative[part].sum())
-    return Score(inside // UNIT, wrong // UNIT, (int(positive.sum()) - inside) // UNIT)
+def score_of(box: Box, positive: SummedVolume, negative: SummedVolume) -> Score:
+    """Return the score of bounds in pixels; positive, negative: of those in Sampled."""
+    inside, wrong = (int(each.count(edges_of(box, HUES))) for each in (positive, negative))
+    return Score(inside // UNIT, wrong // UNIT, (positive.total - inside) // UNIT)
 
 
 def fits(color: str, sampled: Sampled, objective: str = PIXELS, by_times: bool = False
@@ -53,25 +50,25 @@ def fits(color: str, sampled: Sampled, objective: str = PIXELS, by_times: bool =
     by_times: whether the samples of the color are estimated from times.
     Raises UserError if there is no sample of the color, or no bounds separate it.
     """
-    positive, negative = sampled
-    if not positive.any():
+    if not len(sampled.positive.counts):
         if by_times:
             raise UserError('frames with {} have not more of any color than those without '
                             'it'.format(color), TIMES_ADVICE)
         raise UserError('there is no sample of {}'.format(color),
                         'add one: a rectangle, a polygon, a mask, or a range of time')
-    search, found = BoxSearch(positive, negative), []
+    search, found = BoxSearch(*sampled, SHAPE), []
     for beta in _BETAS if objective == FRAMES else _BETAS[:1]:
         best = search.best(beta)
         if objective == MARGIN:
             best = _widest(search, best)
-        box, margin = _centered(search.objective(beta), best.edges)
-        fit = Fit(box, score_of(box, positive, negative), margin)
+        scored = search.objective(beta)
+        box, margin = _centered(scored, best.edges)
+        fit = Fit(box, score_of(box, scored.positive, scored.negative), margin)
         if fit not in found:
             found.append(fit)
     # in other light, more has changed than the color: its recall is not known by times
     if (found[0].score.precision if by_times else found[0].score.f1) < _WORST:
-        error = _inseparable(color, positive, negative, found[0])
+        error = _inseparable(color, sampled, found[0])
         raise UserError(error.problem, TIMES_ADVICE) if by_times else error
     return found
 
@@ -151,11 +148,14 @@ def _normal(edges: np.ndarray) -> np.ndarray:
     return edges
 
 
-def _inseparable(color: str, positive: np.ndarray, negative: np.ndarray, fit: Fit) -> UserError:
+def _inseparable(color: str, sampled: Sampled, fit: Fit) -> UserError:
     """Return the error for a color that no bounds separate, with what overlaps."""
-    common = np.minimum(positive, negative)
-    hue, saturation, value = np.unravel_index(int(common.argmax()), SHAPE)
-    share = positive[negative > 0].sum() / positive.sum()
+    common, *places = np.intersect1d(sampled.positive.indices, sampled.negative.indices,
+                                     assume_unique=True, return_indices=True)
+    own, others = (each.counts[place] for each, place in zip(sampled, places))
+    most = int(common[np.minimum(own, others).argmax()]) if len(common) else 0
+    hue, saturation, value = np.unravel_index(most, SHAPE)
+    share = own.sum() / sampled.positive.counts.sum()
     return UserError(
         'no bounds separate {}: the best ones, {}, have a precision of {:.0%} and a recall of '
         '{:.0%}; {:.0%} of its pixels have a color that others have too, most at hue {}, '

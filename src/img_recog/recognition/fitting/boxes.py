@@ -4,7 +4,7 @@ from typing import List, NamedTuple, Tuple
 
 import numpy as np
 
-from img_recog.recognition.fitting.volume import SummedVolume
+from img_recog.recognition.fitting.volume import Sparse, SummedVolume, sparse
 
 _COARSE = 30, 16, 16      # bins in which all boxes are searched
 # of branch and bound: sets of boxes that are halved at a time, and after which it ends
@@ -88,11 +88,11 @@ class Objective:
 class BoxSearch:
     """Finds the best boxes of the same histograms by different objectives."""
 
-    def __init__(self, positive: np.ndarray, negative: np.ndarray):
-        """Sum up the pixels of the color and all others: whole numbers of the same shape."""
-        self._steps = [max(1, size // bins) for size, bins in zip(positive.shape, _COARSE)]
-        self._fine = SummedVolume(positive), SummedVolume(negative)
-        self._coarse = tuple(SummedVolume(_binned(volume, self._steps)) for volume in self._fine)
+    def __init__(self, positive: Sparse, negative: Sparse, shape: Tuple[int, ...]):
+        """Sum up the pixels of the color and all others."""
+        self._steps = [max(1, size // bins) for size, bins in zip(shape, _COARSE)]
+        self._fine = SummedVolume(positive, shape), SummedVolume(negative, shape)
+        self._coarse = tuple(_binned(volume, self._steps) for volume in self._fine)
 
     def objective(self, beta: float, margin: Margin = (0, 0, 0)) -> Objective:
         """Return an objective of all boxes."""
@@ -158,11 +158,12 @@ def _search(objective: Objective, lowest: np.ndarray, highest: np.ndarray, best:
     return best
 
 
-def _binned(volume: SummedVolume, steps: List[int]) -> np.ndarray:
-    """Return a histogram in which so many hues, saturations and values are one bin."""
-    bins = [size // step for size, step in zip(volume.shape, steps)]
+def _binned(volume: SummedVolume, steps: List[int]) -> SummedVolume:
+    """Return the volume in which so many hues, saturations and values are one bin."""
+    bins = tuple(size // step for size, step in zip(volume.shape, steps))
     lows = np.indices(bins).reshape(3, -1).T * steps
-    return volume.count(np.stack([lows, lows + steps], axis=2).reshape(-1, 6)).reshape(bins)
+    return SummedVolume(
+        sparse(volume.count(np.stack([lows, lows + steps], axis=2).reshape(-1, 6))), bins)
 
 
 def _best_descent(objective: Objective, starts: List[np.ndarray]) -> Found:

@@ -1,5 +1,4 @@
 """Exact histograms over hue, saturation and value, one for each label of pixels."""
-import functools
 from typing import Any, Dict, Iterable, NamedTuple, Tuple
 
 import cv2
@@ -7,6 +6,7 @@ import numpy as np
 
 from img_recog.errors import UserError
 from img_recog.recognition.fitting.excess import shares
+from img_recog.recognition.fitting.volume import Sparse, sparse
 
 HUES, LEVELS = 180, 256
 SHAPE = HUES, LEVELS, LEVELS
@@ -28,13 +28,6 @@ class Label(NamedTuple):
     in_view: Tuple[str, ...] = ()
 
 
-class Sparse(NamedTuple):
-    """The bins of a histogram that are not empty: their flat indices in order, and counts."""
-
-    indices: np.ndarray
-    counts: np.ndarray
-
-
 class Histograms(NamedTuple):
     """The histogram of each label, and in how many frames it is."""
 
@@ -43,14 +36,14 @@ class Histograms(NamedTuple):
 
 
 class Sampled(NamedTuple):
-    """The pixels of a color, and those that are not of it: int64 of SHAPE, in UNITs of a pixel.
+    """The pixels of a color, and those that are not of it, of SHAPE, in UNITs of a pixel.
 
     Pixels of the frames without the color are weighted as if there were not more of these frames
     than of those with it.
     """
 
-    positive: np.ndarray
-    negative: np.ndarray
+    positive: Sparse
+    negative: Sparse
 
 
 class Counter:
@@ -112,29 +105,19 @@ class Counter:
 
 
 def _add_to(sums: Dict[Any, Sparse], key: Any, histogram: Sparse) -> None:
-    sums[key] = _sum(histogram, sums[key]) if key in sums else histogram
+    sums[key] = _sum([histogram, sums[key]]) if key in sums else histogram
 
 
-def _sum(first: Sparse, second: Sparse) -> Sparse:
-    indices = np.concatenate([first.indices, second.indices])
+def _sum(histograms: Iterable[Sparse]) -> Sparse:
+    histograms = [each for each in histograms if len(each.counts)]
+    if not histograms:
+        return Sparse(np.zeros(0, np.uint32), np.zeros(0, np.int64))
+    indices = np.concatenate([each.indices for each in histograms])
     order = indices.argsort(kind='stable')
     indices = indices[order]
     starts = np.flatnonzero(np.diff(indices, prepend=indices[:1] + 1))
     return Sparse(indices[starts], np.add.reduceat(
-        np.concatenate([first.counts, second.counts])[order], starts))
-
-
-def sparse(counts: np.ndarray) -> Sparse:
-    """Return the bins of a histogram, of SHAPE, that are not empty."""
-    indices = np.flatnonzero(counts != 0)       # five times faster than of the counts
-    return Sparse(indices.astype(np.uint32), counts.reshape(-1)[indices].astype(np.int64))
-
-
-def dense(histogram: Sparse) -> np.ndarray:
-    """Return all bins of a histogram: int64 of SHAPE."""
-    counts = np.zeros(SHAPE, np.int64)
-    counts.reshape(-1)[histogram.indices] = histogram.counts
-    return counts
+        np.concatenate([each.counts for each in histograms])[order], starts))
 
 
 def is_by_times(histograms: Histograms, color: str) -> bool:
@@ -150,24 +133,22 @@ def of_color(histograms: Histograms, color: str, uses_brightness: bool = True) -
     uses_brightness. Raises UserError if the times do not tell it from other colors.
     """
     pixels = histograms.pixels
-    own, negative = np.zeros((2, *SHAPE), np.int64)
-    for label in pixels:
-        if label[:2] == (COLOR, color):
-            _add(own, pixels[label], UNIT)
+    own = [_scaled(found, UNIT) for label, found in pixels.items() if label[:2] == (COLOR, color)]
     with_color, without = (_frames(histograms, color, is_in_view) for is_in_view in (True, False))
     weight = max(1, round(UNIT * min(1.0, with_color / max(1, without))))
-    for label in pixels:
-        if label.kind == NOT and label.name in ('', color) or (
-                label.kind == COLOR and label.name != color):
-            _add(negative, pixels[label], UNIT if color in label.in_view else weight)
+    negative = [_scaled(found, UNIT if color in label.in_view else weight)
+                for label, found in pixels.items()
+                if label.kind == NOT and label.name in ('', color)
+                or label.kind == COLOR and label.name != color]
     if is_by_times(histograms, color):
         seen, unseen = _compared(pixels, color)
         in_view_px = sum(pixels[label].counts.sum() for label in pixels
                          if label[:2] == (IN_VIEW, color))
         weighted = UNIT * in_view_px / seen.counts.sum() * seen.counts
-        for total, share in zip((own, negative), shares(seen, unseen, uses_brightness)):
-            total.reshape(-1)[seen.indices] += np.rint(weighted * share).astype(np.int64)
-    return Sampled(own, negative)
+        for found, share in zip((own, negative), shares(seen, unseen, uses_brightness)):
+            counts = np.rint(weighted * share).astype(np.int64)
+            found.append(Sparse(seen.indices[counts > 0], counts[counts > 0]))
+    return Sampled(_sum(own), _sum(negative))
 
 
 def _compared(pixels: Dict[Label, Sparse], color: str) -> Tuple[Sparse, Sparse]:
@@ -188,19 +169,18 @@ def _compared(pixels: Dict[Label, Sparse], color: str) -> Tuple[Sparse, Sparse]:
         raise UserError('there is no time without {}'.format(color),
                         'add one: not_in_view: [start, end]')
     if () in seen and () not in unseen:     # no other color can be taken for it
-        unseen[()] = functools.reduce(_sum, unseen.values())
+        unseen[()] = _sum(unseen.values())
     pairs = [(seen[others], unseen[others]) for others in seen if others in unseen]
     if not pairs:
         raise UserError('whenever {0} is in view, {1} is too, and never alone: nothing tells them '
                         'apart'.format(color, ' or '.join(map(' and '.join, seen))),
                         'add a time with only one of them, or mark {} in a frame'.format(color))
-    scaled = [Sparse(without.indices, without.counts * (
-        found.counts.sum() / without.counts.sum())) for found, without in pairs]
-    return functools.reduce(_sum, (found for found, _ in pairs)), functools.reduce(_sum, scaled)
+    return _sum(found for found, _ in pairs), _sum(
+        _scaled(without, found.counts.sum() / without.counts.sum()) for found, without in pairs)
 
 
-def _add(total: np.ndarray, histogram: Sparse, factor: int) -> None:
-    total.reshape(-1)[histogram.indices] += factor * histogram.counts
+def _scaled(histogram: Sparse, factor: float) -> Sparse:
+    return Sparse(histogram.indices, histogram.counts * factor)
 
 
 def _frames(histograms: Histograms, color: str, is_in_view: bool) -> int:

@@ -34,7 +34,7 @@ def offers(marked: Marked) -> Dict[str, Offer]:
         sampled = of_color(histograms, color)
         try:
             fit, = bounds.fits(color, sampled)
-            others_px = max(1, int(sampled.negative.sum()) // UNIT)
+            others_px = max(1, int(sampled.negative.counts.sum()) // UNIT)
             found[color] = Offer(fit.box, fit.score.recall, fit.score.wrong / others_px)
         except UserError as error:
             found[color] = Offer(None, problem=one_line(error))

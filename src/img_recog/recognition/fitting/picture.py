@@ -38,15 +38,15 @@ class Profile(NamedTuple):
 def profile(color: Color, sampled: Sampled) -> Profile:
     """Return the counts of samples along the axes."""
     edges = edges_of(Box(color.hue, color.saturation, color.value), SHAPE[0])
-    inside = [np.arange(low, end) % size for low, end, size in zip(edges[::2], edges[1::2], SHAPE)]
     counts = []
-    for axis, size in enumerate(SHAPE):
-        part = np.ix_(*(np.arange(size) if other == axis else values
-                        for other, values in enumerate(inside)))
-        others = tuple(other for other in range(3) if other != axis)
-        counts.append(Histogram(*(pixels[part].sum(axis=others) / UNIT
-                                  for pixels in sampled)))
-    return Profile(color, counts)
+    for pixels in sampled:
+        levels = np.unravel_index(pixels.indices, SHAPE)
+        inside = [(each - low) % size < end - low for each, low, end, size in zip(
+            levels, edges[::2], edges[1::2], SHAPE)]
+        counts.append([np.bincount(
+            levels[axis], pixels.counts * inside[axis - 1] * inside[axis - 2], size) / UNIT
+            for axis, size in enumerate(SHAPE)])
+    return Profile(color, [Histogram(*each) for each in zip(*counts)])
 
 
 def size_in(profiles: List[Profile]) -> Tuple[float, float]:

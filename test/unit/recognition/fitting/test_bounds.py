@@ -6,7 +6,7 @@ import pytest
 from img_recog.recognition.fitting import bounds
 from img_recog.recognition.fitting.histograms import (COLOR, NOT, SHAPE, UNIT, Counter, Label,
                                                       Sampled, of_color)
-from img_recog.recognition.fitting.volume import Box
+from img_recog.recognition.fitting.volume import Box, SummedVolume, sparse
 from img_recog_helpers.refusals import refusal
 
 RED, BLUE = (40, 30, 190), (170, 80, 30)       # BGR, of cards
@@ -48,7 +48,7 @@ def sampled(numbers, name):
                                            ('blue', Box((50, 150), (100, 255), (100, 255)))])
 def test_bounds_of_three_lights_hold_in_two_others(name, article):
     fit, = bounds.fits(name, sampled((0, 1, 2), name))
-    other = sampled((3, 4), name)
+    other = [SummedVolume(each, SHAPE) for each in sampled((3, 4), name)]
     score = bounds.score_of(fit.box, *other)
     assert score.precision > 0.98 and score.recall > 0.98
     assert score.f1 > bounds.score_of(article, *other).f1 + 0.1
@@ -60,6 +60,10 @@ def counts(*parts):
     for hue, saturation, value in parts:
         found[slice(*hue), slice(*saturation), slice(*value)] = UNIT
     return found
+
+
+def as_sampled(*histograms):
+    return Sampled(*map(sparse, histograms))
 
 
 CARD = ((100, 104), (180, 190), (150, 160))
@@ -74,13 +78,13 @@ CARD = ((100, 104), (180, 190), (150, 160))
     ([((0, 180), (200, 210), (0, 256))], Box((90, 113), (120, 194), (90, 255)), (10, 5, 60)),
     ([], Box((90, 113), (120, 255), (90, 255)), (10, 60, 60))])
 def test_bounds_are_in_the_middle_of_gaps(others, box, margin):
-    fit, = bounds.fits('blue', Sampled(counts(CARD), counts(*others)))
+    fit, = bounds.fits('blue', as_sampled(counts(CARD), counts(*others)))
     assert fit == (box, (400, 0, 0), margin)
 
 
 def test_bounds_through_zero():
     red = counts(((176, 180), (180, 190), (150, 160)), ((0, 4), (180, 190), (150, 160)))
-    fit, = bounds.fits('red', Sampled(red, counts(((20, 30), (0, 256), (0, 256)))))
+    fit, = bounds.fits('red', as_sampled(red, counts(((20, 30), (0, 256), (0, 256)))))
     assert fit.box.hue == (166, 11) and fit.score == (800, 0, 0)
 
 
@@ -89,22 +93,22 @@ def test_bounds_of_hues_near_zero_do_not_take_in_brighter_pixels(first):
     hues = [(first, min(first + 8, 180))] + [(0, first + 8 - 180)] * (first > 172)
     card = counts(*(((low, end), (180, 190), (30, 40)) for low, end in hues))
     wall = counts(*(((low, end), (180, 190), (90, 160)) for low, end in hues))
-    fit, = bounds.fits('dark', Sampled(card, wall))
+    fit, = bounds.fits('dark', as_sampled(card, wall))
     assert fit.score == (800, 0, 0) and fit.box.value == (15, 64)
 
 
 def test_a_few_stray_pixels_do_not_widen_the_bounds():
     card = counts(CARD)
     card[0, 255, 255] = UNIT
-    fit, = bounds.fits('blue', Sampled(card, counts(((0, 20), (0, 256), (0, 256)))))
+    fit, = bounds.fits('blue', as_sampled(card, counts(((0, 20), (0, 256), (0, 256)))))
     assert fit.box.hue == (90, 113) and fit.score == (400, 0, 1)
 
 
 def test_the_objective_margin_gives_up_pixels_for_a_wider_margin():
     card = counts(CARD, ((96, 97), (180, 184), (150, 154)))
     others = counts(((95, 96), (0, 256), (0, 256)), ((112, 113), (0, 256), (0, 256)))
-    pixels, = bounds.fits('blue', Sampled(card, others))
-    margin, = bounds.fits('blue', Sampled(card, others), 'margin')
+    pixels, = bounds.fits('blue', as_sampled(card, others))
+    margin, = bounds.fits('blue', as_sampled(card, others), 'margin')
     assert pixels.box.hue[0] == 96 and pixels.score.missed == 0
     assert margin.box.hue[0] > 97 and margin.score.missed == 16
     assert margin.margin[0] > pixels.margin[0]
@@ -114,15 +118,15 @@ def test_the_objective_frames_has_bounds_for_different_weights_of_recall():
     card, others = counts(((100, 108), (180, 190), (150, 160))), counts()
     for hue, share in zip(range(104, 108), (0.15, 0.8, 3.5, 15)):
         others[hue, 180:190, 150:160] = share * UNIT
-    found = bounds.fits('blue', Sampled(card, others), 'frames')
+    found = bounds.fits('blue', as_sampled(card, others), 'frames')
     # the objective `pixels` first
     assert [fit.score.found for fit in found] == [600, 400, 500, 700, 800]
 
 
 def test_no_sample_and_no_bounds_are_one_line_each():
     assert 'there is no sample of red; add one' in refusal(
-        bounds.fits, 'red', Sampled(counts(), counts(CARD)))
-    line = refusal(bounds.fits, 'red', Sampled(counts(CARD), 9 * counts(CARD)))
+        bounds.fits, 'red', as_sampled(counts(), counts(CARD)))
+    line = refusal(bounds.fits, 'red', as_sampled(counts(CARD), 9 * counts(CARD)))
     assert 'no bounds separate red' in line
     assert 'have a precision of 10% and a recall of 100%' in line
     assert '100% of its pixels have a color that others have too' in line

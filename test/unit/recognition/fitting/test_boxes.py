@@ -1,12 +1,11 @@
 """The search of the best box compared with all boxes there are."""
 import functools
-import itertools
 
 import numpy as np
 import pytest
 
 from img_recog.recognition.fitting.boxes import BoxSearch
-from img_recog.recognition.fitting.volume import SummedVolume
+from img_recog.recognition.fitting.volume import SummedVolume, sparse
 
 
 @functools.lru_cache(maxsize=None)
@@ -14,12 +13,18 @@ def all_boxes(shape):
     ranges = [[(low, low + size) for low in range(shape[0]) for size in range(1, shape[0] + 1)]]
     ranges += [[(low, end) for low in range(size) for end in range(low + 1, size + 1)]
                for size in shape[1:]]
-    return np.array([sum(each, ()) for each in itertools.product(*ranges)])
+    numbers = np.indices([len(each) for each in ranges]).reshape(3, -1)
+    return np.concatenate([np.array(sides)[chosen] for sides, chosen in zip(ranges, numbers)], 1)
+
+
+def search(positive, negative):
+    return BoxSearch(sparse(positive), sparse(negative), positive.shape)
 
 
 def brute_force(positive, negative, beta=1.0):
     edges = all_boxes(positive.shape)
-    inside, wrong = SummedVolume(positive).count(edges), SummedVolume(negative).count(edges)
+    inside, wrong = (SummedVolume(sparse(counts), counts.shape).count(edges)
+                     for counts in (positive, negative))
     return ((1 + beta ** 2) * inside / np.maximum(
         1, beta ** 2 * positive.sum() + inside + wrong)).max()
 
@@ -40,10 +45,10 @@ def blob(shape, seed, through_zero):
 @pytest.mark.parametrize('seed', range(4))
 def test_no_box_is_better_than_the_one_that_is_found(seed, through_zero, beta):
     positive, negative = blob((12, 6, 6), seed, through_zero)
-    found = BoxSearch(positive, negative).best(beta)
+    found = search(positive, negative).best(beta)
     assert found.score == pytest.approx(brute_force(positive, negative, beta), abs=1e-12)
     assert found.score == pytest.approx(
-        float(BoxSearch(positive, negative).objective(beta).score(found.edges)))
+        float(search(positive, negative).objective(beta).score(found.edges)))
 
 
 @pytest.mark.parametrize('seed', range(3))
@@ -52,7 +57,7 @@ def test_no_box_is_better_where_the_first_search_has_coarser_bins(seed):
     positive, negative = blob((60, 32, 16), seed, seed % 2 == 0)
     small = [counts.reshape(30, 2, 8, 4, 8, 2).sum(axis=(1, 3, 5))
              for counts in (positive, negative)]
-    found = BoxSearch(positive, negative).best()
+    found = search(positive, negative).best()
     assert found.score >= brute_force(*small) - 1e-12
 
 
@@ -61,7 +66,7 @@ def test_no_box_is_better_where_the_first_search_has_coarser_bins(seed):
 def test_a_few_pixels_in_noise_are_searched_as_well(seed):
     random = np.random.RandomState(seed)
     positive, negative = random.poisson(0.06, (12, 6, 6)), random.poisson(1.0, (12, 6, 6))
-    assert BoxSearch(positive, negative).best().score == pytest.approx(
+    assert search(positive, negative).best().score == pytest.approx(
         brute_force(positive, negative))
 
 
@@ -81,7 +86,7 @@ def plain_count(counts, edges, by):
 def test_scores_are_those_of_plain_numpy(beta, margin):
     positive, negative = blob((12, 6, 5), 1, True)
     edges = np.random.RandomState(2).permutation(all_boxes(positive.shape))[:300]
-    scores = BoxSearch(positive, negative).objective(beta, margin).score(edges)
+    scores = search(positive, negative).objective(beta, margin).score(edges)
     for each, score in zip(edges.tolist(), scores):
         inside = plain_count(positive, each, [-by for by in margin])
         wrong = plain_count(negative, each, margin)
@@ -91,7 +96,7 @@ def test_scores_are_those_of_plain_numpy(beta, margin):
 
 @pytest.mark.parametrize('margin', [(0, 0, 0), (2, 1, 1)])
 def test_scores_of_boxes_that_differ_in_one_axis_are_theirs(margin):
-    objective = BoxSearch(*blob((12, 6, 6), 0, True)).objective(1.0, margin)
+    objective = search(*blob((12, 6, 6), 0, True)).objective(1.0, margin)
     edges = all_boxes((12, 6, 6))[::500]
     for axis in range(3):
         boxes = np.tile(edges[7], (len(edges), 1))
@@ -103,11 +108,11 @@ def test_a_margin_keeps_sides_away_from_both():
     positive, negative = np.zeros((2, 180, 256, 256), int)
     positive[20:30, 150:200, 150:200] = 1
     negative[0:10, 150:200, 150:200] = negative[60:70, 150:200, 150:200] = 1
-    search = BoxSearch(positive, negative)
-    wide = search.best(margin=(4, 16, 16))
+    found = search(positive, negative)
+    wide = found.best(margin=(4, 16, 16))
     assert wide.score == 1.0
     low, end = wide.edges[:2]
     assert 10 + 4 <= low <= 20 - 4 and 30 + 4 <= end <= 60 - 4
     assert wide.edges[2] <= 150 - 16 and (wide.edges[3] >= 200 + 16 or wide.edges[3] == 256)
     # a margin that is wider than the gap costs pixels
-    assert search.best(margin=(8, 0, 0)).score < 1.0
+    assert found.best(margin=(8, 0, 0)).score < 1.0

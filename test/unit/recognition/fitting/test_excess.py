@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 
 from img_recog.recognition.fitting.excess import shares
-from img_recog.recognition.fitting.histograms import SHAPE, dense, sparse
+from img_recog.recognition.fitting.histograms import SHAPE
+from img_recog.recognition.fitting.volume import Sparse, sparse
 
 GRAY, RED = (120, 124, 121), (40, 30, 190)      # BGR
 
@@ -49,7 +50,8 @@ def test_other_light_is_no_color_if_brightness_is_not_used():
 def test_few_mixed_pixels_are_neither():
     seen = noisy(GRAY, RED)
     mixed = noisy((80, 77, 155))
-    both = sparse(dense(seen) + dense(mixed._replace(counts=mixed.counts // 50)))
+    # none of them is in both
+    both = Sparse(*map(np.concatenate, zip(seen, mixed._replace(counts=mixed.counts // 50))))
     found, others = (each[np.isin(both.indices, mixed.indices)]
                      for each in shares(both, noisy(GRAY, GRAY), True))
     assert not found.any() and not others.any()

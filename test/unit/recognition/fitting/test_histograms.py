@@ -5,7 +5,7 @@ import pytest
 from img_recog.errors import UserError
 from img_recog.recognition.fitting import histograms
 from img_recog.recognition.fitting.histograms import (COLOR, IN_VIEW, NOT, SHAPE, UNIT, Counter,
-                                                      Label, dense, of_color)
+                                                      Label, of_color)
 
 RED, BLUE = Label(COLOR, 'red', ('red',)), Label(COLOR, 'blue', ('blue',))
 NONE = Label(NOT, '')
@@ -18,6 +18,12 @@ def pixels(seed, count=500):
 def plain(*parts):
     counts = np.zeros(SHAPE, np.int64)
     np.add.at(counts, tuple(np.concatenate(parts).T), 1)
+    return counts
+
+
+def dense(histogram):
+    counts = np.zeros(SHAPE, np.int64)
+    counts.reshape(-1)[histogram.indices] = histogram.counts
     return counts
 
 
@@ -59,12 +65,13 @@ def test_other_colors_are_not_the_color_and_frames_without_it_are_weighted():
     found = counted([(RED, red), (Label(NOT, '', ('red',)), near)],
                     *[[(BLUE, blue), (not_red, other)]] * 4)
     sampled = of_color(found, 'red')
-    assert (sampled.positive == UNIT * plain(red)).all()
+    assert (dense(sampled.positive) == UNIT * plain(red)).all()
     # there are four frames without red, and one with it
-    assert (sampled.negative == UNIT * plain(near) + UNIT // 4 * plain(*[blue, other] * 4)).all()
+    assert (dense(sampled.negative) == (
+        UNIT * plain(near) + UNIT // 4 * plain(*[blue, other] * 4))).all()
     blues = of_color(found, 'blue')
-    assert (blues.positive == UNIT * plain(*[blue] * 4)).all()
-    assert (blues.negative == UNIT * plain(red, near)).all()
+    assert (dense(blues.positive) == UNIT * plain(*[blue] * 4)).all()
+    assert (dense(blues.negative) == UNIT * plain(red, near)).all()
 
 
 def seen_and_unseen(*others):
@@ -93,7 +100,7 @@ def seen_and_unseen(*others):
     [((), True), (('blue',), True), ((), False)]])
 @pytest.mark.parametrize('uses_brightness', [False, True])
 def test_of_times_the_color_is_what_only_frames_with_it_have(others, uses_brightness):
-    positive = of_color(seen_and_unseen(*others), 'red', uses_brightness).positive
+    positive = dense(of_color(seen_and_unseen(*others), 'red', uses_brightness).positive)
     assert positive[178, 200, 150] > 0 and np.count_nonzero(positive) == 1
     # as if all frames with it were used
     used = sum(is_red for _, is_red in others)
@@ -109,7 +116,7 @@ def test_times_that_do_not_tell_a_color(others, words):
 
 
 def test_a_color_of_which_nothing_is_known_has_no_pixels():
-    assert not of_color(counted([(NONE, pixels(0))]), 'red').positive.any()
+    assert not of_color(counted([(NONE, pixels(0))]), 'red').positive.counts.any()
 
 
 def test_hues_of_opencv_end_at_179():

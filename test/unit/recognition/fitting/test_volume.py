@@ -2,7 +2,7 @@
 import numpy as np
 import pytest
 
-from img_recog.recognition.fitting.volume import Box, SummedVolume, box_of, edges_of
+from img_recog.recognition.fitting.volume import Box, SummedVolume, box_of, edges_of, sparse
 
 SHAPE = 12, 7, 5
 
@@ -19,17 +19,18 @@ def test_any_box_is_counted_also_through_zero(largest):
     starts = np.stack([random.randint(0, size, 300) for size in SHAPE], axis=1)
     ends = np.minimum(starts + [[12, 4, 3]], [[24, 7, 5]])
     edges = np.stack([starts, ends], axis=2).reshape(300, 6)
-    assert list(SummedVolume(counts).count(edges)) == [plain(counts, each) for each in edges]
-    assert SummedVolume(counts).total == counts.sum()
+    volume = SummedVolume(sparse(counts), SHAPE)
+    assert list(volume.count(edges)) == [plain(counts, each) for each in edges]
+    assert volume.total == counts.sum()
     for axis in range(3):       # of the first box, and its sides on the axis those of each
         boxes = np.tile(edges[0], (300, 1))
         boxes[:, 2 * axis:2 * axis + 2] = sides = edges[:, 2 * axis:2 * axis + 2]
-        assert list(SummedVolume(counts).count_along(axis, edges[0], sides.T)) == [
+        assert list(volume.count_along(axis, edges[0], sides.T)) == [
             plain(counts, each) for each in boxes]
 
 
 def test_a_box_that_ends_before_it_begins_is_empty():
-    volume = SummedVolume(np.ones(SHAPE, int))
+    volume = SummedVolume(sparse(np.ones(SHAPE, int)), SHAPE)
     empty = np.array([5, 3, 0, 7, 0, 5])
     assert volume.count(empty) == 0
     assert list(volume.count_along(0, empty, np.array([[5, 3], [3, 5]]))) == [0, 70]
