@@ -44,9 +44,5 @@ def refuse():
     raise UserError('no mesh a.stl', 'give one')
 
 
-def fail():
-    raise RuntimeError('a defect')
-
-
 def hang():
     time.sleep(1000)

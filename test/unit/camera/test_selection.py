@@ -129,7 +129,9 @@ def test_what_is_played_once_ends(tmp_path, make_video, is_video):
         save_image(tmp_path / '{}.png'.format(number), number)
     path = make_video() if is_video else str(tmp_path)
     source = opened(path, loop=False)
-    assert source.description.endswith(' Hz, played once')
+    assert source.description == '{}, 96x64, {}'.format(
+        *(('video ' + path, '12.5 Hz, played once') if is_video
+          else ('folder {} of 6 images'.format(path), '30 Hz, played once')))
     for _ in range(6):
         assert source.read().shape == (64, 96, 3)
     with pytest.raises(SourceEnded, match='^the {} has ended after 6 {}$'.format(

@@ -19,16 +19,13 @@ def areas_px(frame):
     return tuple(ColorExtractor(SETTINGS).measure(bgr))
 
 
-def test_frame_ranges():
-    assert (PERIOD_FRAMES, BLUE_FRAMES, RED_FRAMES) == (300, range(30, 90), range(180, 240))
-
-
 def test_every_pixel_is_as_it_was():
     # the figures of the benchmark and the expected commands of other tests depend on the scene
-    numbers = (0, 30, 31, 32, 33, 34, 180, 210)
+    numbers = (0, 30, 31, 32, 33, 34, 85, 86, 87, 88, 89, 180, 210)
     assert [zlib.crc32(draw_frame(number).tobytes()) for number in numbers] == [
-        3062879616, 3485339005, 3231330658, 3149169198, 296083910,
-        3840171824, 417036072, 1256572388]
+        3062879616, 3485339005, 3231330658, 3149169198, 296083910, 3840171824,
+        3840171824, 296083910, 3149169198, 3231330658, 3485339005,      # it leaves as it came
+        417036072, 1256572388]
 
 
 def test_cards_have_at_least_20000_px_of_their_color_and_other_frames_have_none():
@@ -61,15 +58,6 @@ def test_smallest_sizes_are_drawn(width, height):
         frame = draw_frame(number, width, height)
         assert frame.shape == (height, width, 3)
         assert np.array_equal(draw_frame(number + 7 * PERIOD_FRAMES, width, height), frame)
-
-
-def test_card_moves_in_and_out_in_mirrored_steps():
-    entering = [draw_frame(BLUE_FRAMES.start + step) for step in range(5)]
-    leaving = [draw_frame(BLUE_FRAMES.stop - 1 - step) for step in range(5)]
-    for step in range(5):
-        assert np.array_equal(entering[step], leaving[step])
-    for earlier, later in zip(entering, entering[1:]):
-        assert not np.array_equal(earlier, later)
 
 
 @pytest.mark.parametrize('width, height', [(320, 240), (64, 48)])

@@ -8,7 +8,7 @@ from img_recog.camera.source import SourceEnded
 from img_recog.camera.video_source import VideoSource
 from img_recog_helpers.descriptors import times_open
 from img_recog_helpers.fake_decoder import FakeDecoder
-from img_recog_helpers.videos import VIDEO_RATE_HZ, opencv_frames
+from img_recog_helpers.videos import opencv_frames
 
 
 @pytest.mark.parametrize('name, options', [
@@ -26,16 +26,6 @@ def test_video_equals_videocapture(make_film, name, options):
         frame[:] = 0        # it belongs to the caller
     with pytest.raises(SourceEnded):
         source.read()
-    source.close()
-
-
-def test_video_has_its_own_size_and_rate(make_video):
-    path = make_video(size=(80, 48))
-    source = open_file(path, 30.0)
-    assert (source.width, source.height, source.encoding) == (80, 48, 'rgb8')
-    assert source.rate_hz == VIDEO_RATE_HZ
-    assert source.read().shape == (48, 80, 3)
-    assert source.description == 'video {}, 80x48, 12.5 Hz, played in a loop'.format(path)
     source.close()
 
 
@@ -64,14 +54,6 @@ def test_image_is_bit_identical_and_repeats(tmp_path, name):
             frame[:] = 0
     source.close()
     source.close()
-
-
-@pytest.mark.parametrize('channels', ['grey', 'alpha'])
-def test_image_with_other_channels_becomes_rgb8(tmp_path, channels):
-    path, grey = str(tmp_path / 'still.png'), np.arange(48, dtype=np.uint8).reshape(6, 8)
-    image = grey if channels == 'grey' else np.dstack([grey, grey, grey, np.full_like(grey, 9)])
-    assert cv2.imwrite(path, image)
-    assert np.array_equal(open_file(path, 30.0).read(), np.dstack([grey, grey, grey]))
 
 
 @pytest.mark.parametrize('stated, count, complete', [

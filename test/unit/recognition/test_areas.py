@@ -127,16 +127,6 @@ def test_results_do_not_depend_on_earlier_images():
     assert found.measure(black) == [0, 0] and not found.masked(0).any()
 
 
-def test_buffers_are_reused():
-    image, found = random_image(8), extractor()
-
-    def addresses():
-        found.measure(image, 'rgb8')
-        return found.mask(0).ctypes.data, found.bgr().ctypes.data
-    before = addresses()
-    assert addresses() == before and len(set(before)) == 2
-
-
 def scene(seed, encoding, shape):
     """Return an image with a grey background and colored rectangles, in an encoding and bgr8."""
     random = np.random.RandomState(seed)
@@ -232,13 +222,6 @@ def test_centroids_are_the_mean_of_the_pixels():
     for number in (0, 1):
         rows, columns = np.nonzero(found.mask(number))
         assert found.centroid(number) == pytest.approx((columns.mean(), rows.mean()), abs=1e-9)
-
-
-def test_areas_are_in_the_order_of_the_colors():
-    image = random_image(12)
-    blue, red = extractor().measure(image)
-    assert blue != red
-    assert ColorExtractor(with_colors(['red', 'blue'])()).measure(image) == [red, blue]
 
 
 @pytest.mark.parametrize('part, shares, expected', [

@@ -13,7 +13,6 @@ from std_msgs.msg import Header
 from img_recog.errors import UserError
 from img_recog.recordings.bag_file import BagFile, open_bag
 from img_recog.recordings.bags import BagFrames
-from img_recog.replay import film_job, plot_job
 from img_recog_helpers import refusals
 from img_recog_helpers.descriptors import times_open
 
@@ -92,15 +91,6 @@ def test_a_chunk_that_states_too_much_is_refused_before_it_is_unpacked(
         allowed, path) in line
     open_bag(with_chunk(honest(tmp_path / 'b.bag'), bytes(9), compression, allowed),
              side * side or 1).close()
-
-
-@pytest.mark.parametrize('program, words', [(film_job, ['film.mp4']), (plot_job, ['plot.png'])])
-def test_film_and_plot_refuse_it_too(tmp_path, monkeypatch, caplog, no_unpacking,
-                                     handlers_as_before, program, words):
-    monkeypatch.chdir(tmp_path)
-    with_chunk(honest(tmp_path / 'a.bag'), bytes(9), 'bz2', 1 << 31)
-    assert program.main(['a.bag', *words]) == 1
-    assert 'the bag a.bag has a chunk of 2147483648 bytes' in caplog.text
 
 
 @pytest.mark.parametrize('compression', ['bz2', 'lz4'])

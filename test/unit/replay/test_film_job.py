@@ -2,7 +2,6 @@
 import math
 import os
 import re
-import resource
 import shutil
 import signal
 import subprocess
@@ -26,7 +25,6 @@ from img_recog.replay import film_job
 from img_recog_helpers.films import BLUE, ROBOT, SQUARE, card, center_of, frames_of
 
 pytestmark = pytest.mark.usefixtures('handlers_as_before')
-SIGNALS = signal.SIGINT, signal.SIGTERM, signal.SIGHUP
 
 
 def message(msg_type, time_s):
@@ -207,9 +205,7 @@ def unusable():
 @pytest.mark.parametrize('content, problem', [
     (None, 'cannot read {}: no such file' + WANTED),
     ('in.bag.active', '{0} is not complete: there is {0}.active; stop the demo that'),
-    (b'', 'cannot read {} as a bag: .*' + WANTED),
     (b'junk', 'cannot read {} as a bag: .*' + WANTED),
-    (b'#ROSBAG V9.0\n', 'cannot read {} as a bag: .*' + WANTED),
     ([('/chatter', String('hello'), 1.0)], '.* {} has no messages of type sensor_msgs/Image'),
     ([('/usb_cam/image_raw', unusable(), 1.0)],
      'no image on /usb_cam/image_raw in {} can be used; '),
@@ -256,43 +252,25 @@ def test_a_path_that_cannot_be_written(bag, refused):
     assert refused(bag, '/nowhere/out.mp4').startswith('cannot write /nowhere/out.mp4')
 
 
-def test_a_film_for_which_there_is_no_room_is_named(bag, tmp_path, refused):
-    limits = resource.getrlimit(resource.RLIMIT_FSIZE)
-    resource.setrlimit(resource.RLIMIT_FSIZE, (9000, limits[1]))
-    try:
-        line = refused(bag, tmp_path / 'out.mp4')
-    finally:
-        resource.setrlimit(resource.RLIMIT_FSIZE, limits)
-    assert line == 'cannot write {}: file too large; give a path that can be written'.format(
-        tmp_path / 'out.mp4')
-
-
-# a signal arrives when a part of the film is written; prints exit codes
+# a signal arrives when a part of the film is written
 INTERRUPTED = """
-import os, signal, sys
-signal.signal(signal.SIGINT, signal.SIG_DFL)        # as the script does
+import signal, sys
 from img_recog.replay import film, film_job
 add = film.Film.add
-*arguments, signums = sys.argv[1:]
 
 def interrupted(self, *image):
     add(self, *image)
     if image[0] > 0.5:
-        signal.raise_signal(int(signum))
+        signal.raise_signal(signal.SIGTERM)
 
 film.Film.add = interrupted
-for signum in signums.split():
-    if not os.fork():
-        sys.exit(film_job.main(arguments))
-    print(os.WEXITSTATUS(os.wait()[1]), flush=True)
+sys.exit(film_job.main(sys.argv[1:]))
 """
 
 
 def test_a_signal_leaves_no_unfinished_file(bag, tmp_path):
     done = subprocess.run(
-        [sys.executable, '-c', INTERRUPTED, str(bag), str(tmp_path / 'out.mp4'),
-         ' '.join(str(int(signum)) for signum in SIGNALS)],
-        stdout=subprocess.PIPE, stderr=subprocess.PIPE, check=True)
-    assert b'Traceback' not in done.stderr
-    assert list(map(int, done.stdout.split())) == [128 + signum for signum in SIGNALS]
+        [sys.executable, '-c', INTERRUPTED, str(bag), str(tmp_path / 'out.mp4')],
+        stderr=subprocess.PIPE)
+    assert (done.returncode, done.stderr) == (128 + signal.SIGTERM, b'')
     assert list(tmp_path.iterdir()) == [bag]

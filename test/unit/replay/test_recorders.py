@@ -103,12 +103,12 @@ def test_bag_of_several_chunks_is_complete():
     file = BagFile()
     bag = BagRecorder(file, ['blue'], {})
     bag.start(START_NS)
-    for number in range(20000):
+    for number in range(10000):
         bag.on_command(CommandSent(number, Command(float(number)), 'somebody'))
     bag.close()
     assert file.value.count(b'\x04\0\0\0op=\x05') > 1
     assert [(stamp - START_NS, msg.linear.x) for stamp, msg in messages(file.value)['/cmd_vel']
-            ] == [(number, number) for number in range(20000)]
+            ] == [(number, number) for number in range(10000)]
 
 
 def test_bag_without_tf_when_the_robot_says_so():

@@ -165,9 +165,3 @@ def test_calls_run_in_the_order_they_were_made():
     requests.process(0.0)
     assert [asker.end().error for asker in askers] == [None] * 5
     assert order == [0, 1, 2, 3, 4]
-
-
-def test_process_without_calls_returns():
-    requests = CallQueue()
-    requests.process(0.0)
-    requests.process(0.01)

@@ -46,24 +46,16 @@ EXPECTED = {        # type, default, min, max, description
 }
 
 
-def test_fields_are_described_in_order():
-    made = config_type(Sample)
-    assert list(made.defaults) == list(EXPECTED)
-    for name, expected in EXPECTED.items():
-        got = (made.type[name], made.defaults[name], made.min[name], made.max[name])
-        assert got == expected[:4]
-        assert len({type(value) for value in got[1:]}) == 1
-        assert made.level[name] == 0
-
-
 def test_tools_read_the_description():
-    read = decode_description(encode_description(config_type(Sample)))
-    params = {each['name']: each for each in extract_params(read)}
-    assert list(params) == list(EXPECTED)
+    made = config_type(Sample)
+    params = {each['name']: each
+              for each in extract_params(decode_description(encode_description(made)))}
+    assert list(params) == list(made.defaults) == list(EXPECTED)
     for name, each in params.items():
         assert (each['type'], each['default'], each['min'], each['max'],
                 each['description']) == EXPECTED[name]
-        assert (each['edit_method'] != '') == (name == 'mode')
+        assert (each['edit_method'] != '') == (name == 'mode') and made.level[name] == 0
+        assert len({type(of[name]) for of in (made.defaults, made.min, made.max)}) == 1
 
 
 def test_choices_are_a_list_to_choose_from():

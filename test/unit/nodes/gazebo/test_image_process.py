@@ -284,13 +284,6 @@ def test_an_error_ends_the_drawing_with_one_warning(make, warnings, is_starting,
     assert (level, message) == (DiagnosticStatus.WARN, 'no more images: ' + problem)
 
 
-def test_a_defect_of_what_draws_ends_the_process(make, warnings):
-    made, _ = make(fake_renderers.fail)
-    made.start()
-    wait_for(lambda: warnings, 'the warning')
-    assert warnings == [AGAIN.format(1)]
-
-
 def test_a_process_that_cannot_be_started(make, warnings, monkeypatch):
     def refuse(*args, **kwargs):
         raise OSError(24, 'Too many open files')

@@ -65,11 +65,6 @@ def test_cookies_of_other_programs_keep_nobody_out(others):
     assert visit(cookie=others)[0].visits == 0
 
 
-def test_the_cookie_opens():
-    app, sent, _ = visit(cookie=COOKIE)
-    assert app.visits == 1 and status(sent) == 200
-
-
 def test_the_token_becomes_a_cookie_that_scripts_and_other_sites_do_not_get():
     app, sent, _ = visit(query='token=' + TOKEN)
     assert app.visits == 0 and status(sent) == 200
