@@ -5,6 +5,7 @@ import subprocess
 
 from img_recog_helpers.browser import status_of
 from img_recog_helpers.pages import ROOT
+from img_recog_helpers.processes import SMALL_CAMERA
 
 # environment variables of a shell in which no setup.bash was sourced
 FOREIGN = ('CMAKE_PREFIX_PATH', 'PYTHONPATH', 'ROS_PACKAGE_PATH', 'PKG_CONFIG_PATH',
@@ -22,7 +23,7 @@ def modules(package):
     return {path.relative_to(package) for path in package.rglob('*.py')}
 
 
-def test_devel_and_install_space_run_the_demo(ros, tmp_path):
+def test_both_spaces_have_the_package_and_the_install_space_runs_the_demo(ros, tmp_path):
     workspace = tmp_path / 'catkin_ws'
     (workspace / 'src').mkdir(parents=True)
     (workspace / 'src' / 'img_recog').symlink_to(ROOT)
@@ -41,14 +42,15 @@ def test_devel_and_install_space_run_the_demo(ros, tmp_path):
         found = bash(setup + 'rospack find img_recog', env).strip()
         assert found == str(workspace / {'devel': 'src', 'install': 'install/share'}[space]
                             / 'img_recog')
-        demo = ros.start('bash', '-c', setup + 'exec roslaunch -p {} img_recog demo.launch '
-                         'camera:=synthetic'.format(ros.port), env=env)
-        demo.wait_output('the robot drives forward')
-        origin, token = demo.wait_output(r'the page: (\S+)/\?token=(\S+)').groups()
-        cookie = 'img_recog_{}={}'.format(origin.rpartition(':')[2], token)
-        assert status_of(origin + '/static/live.js', Cookie=cookie)[0] == 200
-        assert demo.interrupt() == 0
-        assert 'Traceback' not in demo.output, demo.output
+        assert 'usage: plot.py' in bash(setup + 'rosrun img_recog plot.py --help', env)
+    demo = ros.start('bash', '-c', setup + 'exec roslaunch -p {} img_recog demo.launch {}'.format(
+        ros.port, ' '.join(SMALL_CAMERA)), env=env)
+    demo.wait_output('the robot drives forward')
+    origin, token = demo.wait_output(r'the page: (\S+)/\?token=(\S+)').groups()
+    cookie = 'img_recog_{}={}'.format(origin.rpartition(':')[2], token)
+    assert status_of(origin + '/static/live.js', Cookie=cookie)[0] == 200
+    assert demo.interrupt() == 0
+    assert 'Traceback' not in demo.output, demo.output
 
 
 GREETER = {
