@@ -51,8 +51,8 @@ def wait_shares(ros, display, tmp_path):
 
 
 def test_image_view_shows_the_blue_part(ros, wait_shares):
-    demo = ros.demo('simulator:=false', 'gui:=false', 'image_view:=false', 'image_width:=640',
-                    'image_height:=480')
+    demo = ros.demo('simulator:=false', 'gui:=false', 'image_view:=false', 'teleop:=false',
+                    'image_width:=640', 'image_height:=480')
     demo.wait_output('camera: synthetic')
     ros.start('rosrun', 'image_view', 'image_view', 'image:=/blue_image')
     wait_shares({'blue': ((0, 40, 180), (60, 100, 255)), 'red': ((180, 0, 30), (255, 60, 90))},
@@ -86,7 +86,7 @@ def test_a_launch_file_like_that_of_usb_cam_shows_the_image(ros, wait_shares, tm
 
 
 def test_the_simulators_window_shows_the_world(ros, wait_shares):
-    demo = ros.demo('camera:=none', 'gui:=true', 'image_view:=false')
+    demo = ros.demo('gui:=true', 'vision:=false', 'camera:=none')
     colors = {'green': ((0, 90, 0), (60, 255, 60)), 'white': ((205, 205, 205), (255, 255, 255)),
               'wall': ((20, 20, 20), (90, 90, 90)), 'floor': ((130, 130, 130), (190, 190, 190))}
     wait_shares(colors, lambda found: found['green'] > 0.03 and found['white'] > 0.0005

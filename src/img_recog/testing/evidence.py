@@ -17,7 +17,6 @@ from img_recog.errors import UserError, one_line
 from img_recog.recognition.parameter_file import COLORS
 from img_recog.recognition.recognition_settings import (DEFAULT_COLORS, RecognitionSettings,
                                                         color_names, with_colors)
-from img_recog.replay.film import Film
 from img_recog.ros import parameters
 from img_recog.testing.topics import Pose
 
@@ -98,6 +97,7 @@ class LastMoments:
         outlines: of what stands in the world, (corners, 2) in m. colors: that are recognized.
         """
         moments = list(self._moments)
+        from img_recog.replay.film import Film      # a fifth of the start, for tests that fail
         # time has been reset, or gone back, since then
         start = max((number for number in range(1, len(moments))
                      if moments[number].pose.time_s < moments[number - 1].pose.time_s), default=0)

@@ -30,6 +30,9 @@ __tracebackhide__, __unittest = of_reasons, True
 Given = Union[None, str, Tuple, List]
 
 _SUPERVISOR = os.path.join(os.path.dirname(os.path.abspath(__file__)), 'supervisor.py')
+# roslaunch needs distutils: that of setuptools takes 0.2 s more
+_FASTER = {'SETUPTOOLS_USE_DISTUTILS': 'stdlib'} if os.path.exists(
+    os.path.join(os.path.dirname(os.__file__), 'distutils', 'spawn.py')) else {}
 _LOG_FORMAT = '[${severity}] [${time}] ${node}: ${message}'
 _STARTED = re.compile(r'^process\[(\S+)-\d+\]: started')
 _CORE = '/rosout'
@@ -149,7 +152,7 @@ class Launch:
              '--disable-title', '--skip-log-check', path],
             # OpenCV's own threads wait in a busy loop, on a core that draws the next image
             env={'ROSCONSOLE_FORMAT': _LOG_FORMAT, 'PYTHONUNBUFFERED': '1',
-                 'OPENCV_FOR_THREADS_NUM': '1', **os.environ, 'PWD': os.getcwd()},
+                 'OPENCV_FOR_THREADS_NUM': '1', **_FASTER, **os.environ, 'PWD': os.getcwd()},
             stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
             start_new_session=True)         # Ctrl-C is for the test, which ends this then
         self._reader = threading.Thread(target=self._read, daemon=True)
