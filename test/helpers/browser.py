@@ -71,10 +71,14 @@ class Browser:
         self._folder = str(folder)
         self.driver = webdriver.Chrome(service=Service(shutil.which('chromedriver')),
                                        options=options)
-        self.driver.execute_cdp_cmd('Emulation.setDeviceMetricsOverride', {
-            'width': width, 'height': height, 'deviceScaleFactor': 1, 'mobile': width < 600})
+        self.resize(width, height)
         self.driver.execute_cdp_cmd('Emulation.setEmulatedMedia', {'features': [
             {'name': 'prefers-color-scheme', 'value': 'dark' if dark else 'light'}]})
+
+    def resize(self, width, height):
+        """Change its size, as if it was that of another device."""
+        self.driver.execute_cdp_cmd('Emulation.setDeviceMetricsOverride', {
+            'width': width, 'height': height, 'deviceScaleFactor': 1, 'mobile': width < 600})
 
     def open(self, url):
         """Open the page and wait until it shows measurements."""
@@ -82,10 +86,6 @@ class Browser:
         wait_for(lambda: self.text('[data-bind=pose]'),
                  lambda: 'measurements in the page: ' + self.js(
                      'return document.body.innerText')[:2000])
-
-    def leave(self):
-        """Close the page, but not the browser."""
-        self.driver.get('about:blank')
 
     def js(self, script, *arguments):
         """Run a script in the page; return its result."""
@@ -108,6 +108,11 @@ class Browser:
     def tab(self, name):
         """Choose a tab."""
         self.js('document.querySelectorAll(".q-tab")[arguments[0]].click()', _TABS.index(name))
+
+    def titles(self):
+        """Return the headings of the cards that are shown."""
+        return self.js("""return [...document.querySelectorAll(".card h2")].filter(
+                            (each) => each.offsetParent).map((each) => each.textContent)""")
 
     def pose(self):
         """Return x and y in m, as the page says them."""

@@ -1,4 +1,4 @@
-"""What fits on the screen of the page: with eight rules of config/follow.yaml, and with none."""
+"""What fits on the screen of the page, with the eight rules of config/follow.yaml."""
 import contextlib
 import os
 
@@ -10,8 +10,6 @@ from img_recog_helpers.waiting import wait_for
 
 TABS = ('live', 'colors', 'graph', 'nodes', 'log')
 RULES = ('search', 'left', 'right', 'ahead', 'near_left', 'near_right', 'near', 'red_near')
-TITLES = '''return [...document.querySelectorAll(".card h2")].filter(
-              (each) => each.offsetParent).map((each) => each.textContent)'''
 # elements that are cut off at the right edge
 TOO_WIDE = '''const width = document.documentElement.clientWidth;
               return [...document.querySelectorAll("body *")].filter((each) => each.offsetParent
@@ -24,53 +22,53 @@ LABELS = CHART + '''return chart.getModel().getComponent("yAxis").axis.getViewLa
                     (each) => each.formattedLabel)'''
 
 
-@contextlib.contextmanager
-def browser(folder, url, **options):
-    """Open the page in a browser; yield it."""
-    with contextlib.closing(Browser(folder, **options)) as page:
-        page.open(url)
-        yield page
-
-
 @pytest.fixture(scope='module')
-def follower(tmp_path_factory):
-    """The address of the page of a demo with eight rules; few and small images are faster."""
+def browser(tmp_path_factory):
+    """The page of a demo with eight rules; few and small images are faster."""
     with demo_with_page(tmp_path_factory.mktemp('follower'), 'camera:=robot', 'teleop:=false',
                         'world:=color_posts', 'image_width:=160', 'image_height:=120',
                         'framerate:=10',
                         'colors:=' + os.path.join(ROOT, 'config', 'follow.yaml')) as ros:
-        yield ros.url
+        with contextlib.closing(Browser(tmp_path_factory.mktemp('browser'))) as browser:
+            browser.open(ros.url)
+            yield browser
 
 
-@pytest.fixture(scope='module')
-def desk(follower, tmp_path_factory):
-    """The tab Live of this demo on a small desk."""
-    with browser(tmp_path_factory.mktemp('desk'), follower, width=1280, height=800) as page:
-        yield page
+@pytest.fixture
+def phone(browser):
+    """The page on a phone."""
+    browser.resize(390, 844)
+    return browser
 
 
-def test_no_tab_is_wider_than_a_phone(follower, tmp_path):
-    with browser(tmp_path, follower, width=390, height=844) as page:
-        for tab in TABS:
-            page.tab(tab)
-            wait_for(lambda: page.js(
-                'return [...document.querySelectorAll(".q-tab-panel")].some('
-                '(each) => each.offsetParent)'), 'the tab')
-            if tab == 'colors':
-                wait_for(lambda: page.js('return document.querySelectorAll(".q-slider").length')
-                         > 8 * 5, 'the sliders')
-            if tab == 'graph':
-                wait_for(lambda: page.js('return (document.querySelector("[data-graph]") || {})'
-                                         '.naturalWidth > 390'), 'the graph')
-            assert page.js('return [innerWidth, document.documentElement.scrollWidth]') == [
-                390, 390], tab
-            assert page.js(TOO_WIDE) == [], tab
+@pytest.fixture
+def desk(browser):
+    """The tab Live on a small desk."""
+    browser.resize(1280, 800)
+    browser.tab('live')
+    return browser
+
+
+def test_no_tab_is_wider_than_a_phone(phone):
+    for tab in TABS:
+        phone.tab(tab)
+        wait_for(lambda: phone.js(
+            'return [...document.querySelectorAll(".q-tab-panel")].some('
+            '(each) => each.offsetParent)'), 'the tab')
+        if tab == 'colors':
+            wait_for(lambda: phone.js('return document.querySelectorAll(".q-slider").length')
+                     > 8 * 5, 'the sliders')
+        if tab == 'graph':
+            wait_for(lambda: phone.js('return (document.querySelector("[data-graph]") || {})'
+                      '.naturalWidth > 390'), 'the graph')
+        wait_for(lambda: phone.js('return [innerWidth, document.documentElement.scrollWidth]')
+                 == [390, 390] and not phone.js(TOO_WIDE), lambda: (tab, phone.js(TOO_WIDE)))
 
 
 def test_eight_rules_leave_room_for_the_simulator_and_are_told_apart(desk):
     masks = ['{}: recognized pixels'.format(name) for name in RULES]
-    wait_for(lambda: set(masks) <= set(desk.js(TITLES)), lambda: desk.js(TITLES))
-    assert [title for title in desk.js(TITLES) if title in ('Camera', 'Simulator', *masks)] \
+    wait_for(lambda: set(masks) <= set(desk.titles()), lambda: desk.titles())
+    assert [title for title in desk.titles() if title in ('Camera', 'Simulator', *masks)] \
         == ['Camera', 'Simulator', *masks]
     bottom = desk.js('''return document.querySelector(
         "[data-picture='/gazebo/view/image_raw']").getBoundingClientRect().bottom''')
@@ -100,16 +98,3 @@ def test_the_labels_of_the_map_are_beside_the_walls(desk):
             const scale = canvas.clientWidth / size;
             return [(y + size - 4.1) * scale, (-4.1 - x) * scale]''')
     wait_for(lambda: 44 < free()[0] < 80 and 16 < free()[1] < 50, free)
-
-
-def test_without_recognition_nothing_waits_for_it(tmp_path):
-    (tmp_path / 'demo').mkdir()
-    with demo_with_page(tmp_path / 'demo', 'vision:=false') as ros, browser(
-            tmp_path / 'browser', ros.url) as page:
-        wait_for(lambda: 'Simulator' in page.js(TITLES), lambda: page.js(TITLES))
-        titles = page.js(TITLES)
-        assert not [title for title in titles if 'recognized' in title or 'Areas' in title]
-        assert {'Map', 'Speed (m/s)', 'Drive', 'Simulation'} <= set(titles)
-        shown = 'return document.querySelector(".board").innerText'
-        assert 'the colors command' not in page.js(shown)
-        wait_for(lambda: 'no image yet' not in page.js(shown), 'the pictures that there are')

@@ -1,5 +1,7 @@
-"""The map of navigation in the page, in a real browser, with a stand-in for its nodes."""
+"""The page without recognition, and its map of navigation, with a stand-in for its nodes."""
+import contextlib
 import math
+import re
 import sys
 
 import pytest
@@ -67,9 +69,16 @@ OFFSET = '''
 @pytest.fixture(scope='module')
 def demo(tmp_path_factory):
     """A demo with the page, and a robot at the origin of its odometry."""
-    with demo_with_page(tmp_path_factory.mktemp('page'), 'vision:=false', 'x_pos:=0',
-                        'y_pos:=0') as ros:
+    with demo_with_page(tmp_path_factory.mktemp('demo'), 'vision:=false', 'camera:=none',
+                        'x_pos:=0', 'y_pos:=0') as ros:
         yield ros
+
+
+@pytest.fixture(scope='module')
+def page(demo, tmp_path_factory):
+    with contextlib.closing(Browser(tmp_path_factory.mktemp('page'))) as page:
+        page.open(demo.url)
+        yield page
 
 
 def point(page, x, y, to=None):
@@ -88,33 +97,41 @@ def is_shown(page):
                    ) != 'none'
 
 
-def assert_told(line, kind, x, y, yaw):
-    assert line.split()[0] == kind
-    assert [float(each) for each in line.split()[1:]] == [
+def assert_told(slam, number, kind, x, y, yaw):
+    """Check the message of a kind that has this number."""
+    line = wait_for(lambda: re.findall(kind + r' (.*)\n', slam.output)[number:],
+                    lambda: slam.output)[0]
+    assert [float(each) for each in line.split()] == [
         pytest.approx(x, abs=0.05), pytest.approx(y, abs=0.05), pytest.approx(yaw, abs=0.05)]
 
 
-@pytest.mark.parametrize('width, height', [(1280, 800), (390, 844)])
-def test_map_robot_plan_goal_and_initial_pose(demo, tmp_path, width, height):
-    page = Browser(tmp_path, width, height)
-    page.open(demo.url)
+def test_without_recognition_nothing_waits_for_it(page):
+    wait_for(lambda: 'Simulator' in page.titles(), page.titles)
+    titles = page.titles()
+    assert not [title for title in titles if 'recognized' in title or 'Areas' in title]
+    assert {'Map', 'Speed (m/s)', 'Drive', 'Simulation'} <= set(titles)
+    shown = 'return document.querySelector(".board").innerText'
+    assert 'the colors command' not in page.js(shown)
+    wait_for(lambda: 'no image yet' not in page.js(shown), 'the pictures that there are')
+
+
+def test_map_robot_plan_goal_and_initial_pose(demo, page):
     assert not is_shown(page)
     slam = demo.start(sys.executable, '-c', STAND_IN)
     wait_for(lambda: is_shown(page), lambda: 'the tab\n' + slam.output)
     page.tab('navigation')
-    wait_for(lambda: page.js(COLOR, -2.5, 1.5), 'the map')
-    for (x, y), color in {(-2.5, 1.5): [254, 254, 254], (-2.95, 1.0): [0, 0, 0],
-                          (-0.5, 0.5): [142, 78, 198], (-1.0, -1.0): [22, 163, 74]}.items():
-        wait_for(lambda: page.js(COLOR, x, y) == color,
-                 lambda: '{} at {}, {}: {}'.format(color, x, y, page.js(COLOR, x, y)))
-    page.driver.save_screenshot(str(tmp_path / 'navigation.png'))
-    point(page, 0.0, 0.0)
-    goal = slam.wait_output(r'goal .*').group()
-    assert_told(goal, 'goal', 0.0, 0.0, math.pi / 4)
-    point(page, 0.0, 2.0, to=(-1.0, 2.0))
-    assert_told(slam.wait_output(r'initial .*').group(), 'initial', 0.0, 2.0, math.pi)
-    assert slam.output.count('goal') == 1
+    for number, size in enumerate(((1280, 800), (390, 844))):
+        page.resize(*size)
+        wait_for(lambda: page.js(COLOR, -2.5, 1.5), 'the map')
+        for (x, y), color in {(-2.5, 1.5): [254, 254, 254], (-2.95, 1.0): [0, 0, 0],
+                              (-0.5, 0.5): [142, 78, 198], (-1.0, -1.0): [22, 163, 74]}.items():
+            wait_for(lambda: page.js(COLOR, x, y) == color,
+                     lambda: '{} at {}, {}: {}'.format(color, x, y, page.js(COLOR, x, y)))
+        point(page, 0.0, 0.0)
+        assert_told(slam, number, 'goal', 0.0, 0.0, math.pi / 4)
+        point(page, 0.0, 2.0, to=(-1.0, 2.0))
+        assert_told(slam, number, 'initial', 0.0, 2.0, math.pi)
+    assert slam.output.count('goal') == 2
     assert page.errors() == []
     slam.close()
     wait_for(lambda: not is_shown(page), 'no tab')
-    page.close()

@@ -25,7 +25,7 @@ class Problems:
     that is refused is named here, and the reader goes on with the next one.
     """
 
-    def __init__(self):
+    def __init__(self) -> None:
         self._advices: Dict[str, str] = {}      # by problem, in the order in which they came
         self._looks: Dict[str, None] = {}
         self._findings: List[Finding] = []

@@ -16,7 +16,7 @@ TOPICS = ('/clock', '/diagnostics', '/rosout_agg', '/tf', '/tf_static', 'cmd_vel
           'color_detection', 'gazebo/world_outlines', 'imu', 'joint_states', 'odom', 'scan',
           'usb_cam/camera_info', 'usb_cam/image_raw/compressed')
 MAX_MEGABYTES = 2000
-_START_TIMEOUT_S, _END_TIMEOUT_S, _POLL_PERIOD_S = 5.0, 10.0, 0.05
+_START_TIMEOUT_S, _END_TIMEOUT_S, _POLL_PERIOD_S = 20.0, 10.0, 0.05
 # of a line of roscpp: color, level and time
 _PREFIX = re.compile(r'^(\x1b\[\d*m)*\[ *[A-Z]+\] \[[0-9.]+(, [0-9.]+)?\]: |\x1b\[\d*m')
 _WARNING = re.compile(r'(\x1b\[\d*m)*\[ *WARN\]')

@@ -26,7 +26,7 @@ class LatestValue(_Wakeable):
     methods in a signal handler, which may interrupt one of them.
     """
 
-    def __init__(self):
+    def __init__(self) -> None:
         super().__init__()
         self._item: Optional[Any] = None
 
@@ -50,7 +50,7 @@ class LatestValue(_Wakeable):
 class CallQueue(_Wakeable):
     """Calls from service handlers, executed in the thread of the loop."""
 
-    def __init__(self):
+    def __init__(self) -> None:
         super().__init__()
         self._waiting: List[Tuple[Callable[[], Any], Future]] = []
 

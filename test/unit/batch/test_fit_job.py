@@ -15,6 +15,8 @@ from img_recog.batch import fit_job
 from img_recog.conversions import image_msgs
 from img_recog.recognition import parameter_file
 from img_recog.recognition.areas import ColorExtractor
+from img_recog.recognition.fitting import marked, offers
+from img_recog.recognition.fitting.marked import Marked
 from img_recog_helpers.figures import assert_unchanged, of_matplotlib
 
 WIDTH, HEIGHT = 64, 48
@@ -94,6 +96,17 @@ def test_an_image_gives_bounds_that_find_its_cards_and_nothing_else(fit, tmp_pat
     with open('fit_colors.png', 'rb') as file:
         assert_unchanged(of_matplotlib(file.read()),
                          os.path.join(os.path.dirname(__file__), 'fit_colors.png'), tmp_path)
+
+
+def test_samples_that_the_page_has_saved_give_the_bounds_that_it_offered(fit, tmp_path):
+    now, name = marked.with_picture(Marked(), picture(RED, BLUE))
+    for color, x in (('red', 0.45), ('blue', 0.85)):
+        now = marked.with_click(now, name, x, 0.5, color)
+    (tmp_path / 'samples_1').mkdir()
+    marked.write(now, str(tmp_path / 'samples_1'))
+    assert fit('samples_1', samples='samples_1/samples.yaml')[0] == 0
+    assert {color.name: color[1:4] for color in parameter_file.read('fit_colors.yaml').colors} \
+        == {name: offer.box for name, offer in offers.offers(now).items()}
 
 
 def test_bags_times_folders_and_a_check(fit, tmp_path):

@@ -74,7 +74,7 @@ class InputSettings(Settings):
 class ColorExtract:
     """Processes the newest frame; a slow node drops frames."""
 
-    def __init__(self):
+    def __init__(self) -> None:
         given = parameters.read(InputSettings)
         if given.colors_file:
             parameter_file.read(files.find_user_path(given.colors_file))
