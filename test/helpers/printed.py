@@ -1,7 +1,11 @@
 """Models and settings as text: what is as by default is left out."""
+import itertools
+
 import numpy as np
 
 from img_recog.rotations import Transform, to_rpy
+
+PARTS = 'solids', 'looks', 'lights'     # of links
 
 
 def text(value):
@@ -41,13 +45,21 @@ def _inside(value):
     return '({})'.format(text(value)) if is_tuple else text(value)
 
 
+def _rest(link):
+    """Return what else a link without parts has than its name, None for one that has parts."""
+    return None if any(getattr(link, name) for name in PARTS) else tuple(fields(link)[1:])
+
+
 def model(found):
     """Return the lines of a Model, but for its name."""
     lines = []
-    for link in found.links:
-        lines.append('link ' + ', '.join(fields(link, 'solids', 'looks', 'lights')))
-        for name in ('solids', 'looks', 'lights'):
-            lines.extend('  {} {}'.format(name[:-1], text(each)) for each in getattr(link, name))
+    for rest, links in itertools.groupby(found.links, lambda link: _rest(link) or link.name):
+        links = list(links)
+        lines.append(', '.join(['link ' + ' '.join(link.name for link in links),
+                                *fields(links[0], *PARTS)[1:]]))
+        for name in PARTS:
+            lines.extend('  {} {}'.format(name[:-1], text(each))
+                         for each in getattr(links[0], name))
     lines.extend('joint ' + text(each) for each in found.joints)
     moved = {name: frame for name, frame in found.frames.items() if name != frame.link}
     lines.extend('frame {}: in {}'.format(name, text(frame)) for name, frame in moved.items())

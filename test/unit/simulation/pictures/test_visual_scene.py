@@ -4,7 +4,7 @@ import math
 import numpy as np
 import pytest
 
-from img_recog.model import BOX, MESH, PLANE, SPHERE, WHITE, Material, Shape
+from img_recog.model import MESH, PLANE, SPHERE, WHITE, Material, Shape
 from img_recog.simulation.pictures import visual_scene
 from img_recog.simulation.pictures.visual_scene import Parts
 from img_recog.simulation.sensors import robot_camera
@@ -88,18 +88,9 @@ def test_the_floor_is_seen_where_the_world_has_it(world, has_floor):
 PLATE = Material((0.25, 0.25, 0.26, 1.0))
 
 
-# a material of a URDF is that of what has none in the file of its mesh
 @pytest.mark.parametrize('inside, shape, material, prefers_file', [
-    ('<geometry><box size="1 2 3"/></geometry>', Shape(BOX, (1.0, 2.0, 3.0)), None, False),
-    ('<geometry><mesh filename="/a.stl"/></geometry>', Shape(MESH, (1.0, 1.0, 1.0), '/a.stl'),
-     None, False),
     ('<geometry><mesh filename="/a.dae" scale="1 2 3"/></geometry><material name="plate"/>',
      Shape(MESH, (1.0, 2.0, 3.0), '/a.dae'), PLATE, True),
-    ('<geometry><sphere radius="2"/></geometry><material name="plate"/>', Shape(SPHERE, (2.0,)),
-     PLATE, False),
-    ('<geometry><sphere radius="2"/></geometry><material name="m"><color rgba="1 0 0 0.5"/>'
-     '<texture filename="/a.png"/></material>', Shape(SPHERE, (2.0,)),
-     Material((1.0, 0.0, 0.0, 0.5), '/a.png'), False),
     ('<geometry><sphere radius="2"/></geometry><material name="unknown"/>', Shape(SPHERE, (2.0,)),
      None, False)])
 def test_shapes_and_materials(inside, shape, material, prefers_file):
@@ -116,19 +107,6 @@ def test_a_plane_is_the_upper_side_of_its_box():
     assert visual.shape.size == (4.0, 2.0)
     assert visual.pose[:3, 3] == pytest.approx([0, 0, 0.5], abs=1e-9)
     assert visual.pose[:3, 2] == pytest.approx([math.cos(1), math.sin(1), 0])
-
-
-def test_a_material_of_gazebo_or_of_an_sdf_replaces_that_of_the_mesh(tmp_path):
-    (tmp_path / 'a.obj').write_text('v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\n')
-    mesh = '<geometry><mesh><uri>{}/a.obj</uri></mesh></geometry>'.format(tmp_path)
-    blue = '<material><diffuse>0 0 1 1</diffuse></material>'
-    tag = '<gazebo reference="base_footprint"><material>Gazebo/Blue</material></gazebo></robot>'
-    urdf = with_visual('<geometry><mesh filename="a.obj"/></geometry>').replace('</robot>', tag)
-    built = assemble(sdf(shelf_with(mesh, blue)), urdf=urdf,
-                     find_mesh=lambda uri: str(tmp_path / uri))
-    meshes = [each for each in read(built)[0].visuals if each.shape.kind == MESH]
-    assert [(each.material.color, each.prefers_file) for each in meshes] == [
-        ((0.0, 0.0, 1.0, 1.0), False)] * 2
 
 
 def test_a_camera_on_the_robot_reads_its_pose_and_all_others():

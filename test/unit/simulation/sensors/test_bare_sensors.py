@@ -46,16 +46,6 @@ def test_rays_without_some_of_their_tags(tmp_path, sensor, ranges):
     assert carrier.measure()['scan'] == pytest.approx(ranges, abs=1e-5)
 
 
-@pytest.mark.parametrize('tags', [
-    '<sensor name="s" type="ray"><plugin name="p" filename="libgazebo_ros_laser.so"/></sensor>',
-    '<sensor name="s" type="ray"><ray/><plugin name="p" filename="libgazebo_ros_range.so"/>'
-    '</sensor>'])
-def test_a_scanner_that_sees_nothing_is_said_so(tags):
-    robot = read(burger('<gazebo reference="base_scan">{}</gazebo>'.format(tags)))
-    assert robot.not_simulated == (
-        'what sensor s could see, because it has no <max> of its <range>, which is 0 then',)
-
-
 def test_sensors_of_plugins_without_their_tags():
     robot = read(burger(
         '<gazebo reference="base_scan"><sensor name="s" type="ray"><plugin name="p" '
