@@ -88,7 +88,7 @@ def assembled(urdf, controllers=(), find_mesh=lambda uri: None):
                           [source(urdf, controllers, find_mesh)])
 
 
-def velocity(simulator, forward=0.0, turn=0.0, left=0.0, settle_s=1.5, seconds=0.5):
+def velocity(simulator, forward=0.0, turn=0.0, left=0.0, settle_s=0.8, seconds=0.5):
     """Return how fast the robot drives on a command: forward and left in m/s, turn in rad/s."""
     vehicle = simulator.vehicles[0]
     way, turned = [0.0, 0.0], 0.0

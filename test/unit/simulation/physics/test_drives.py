@@ -38,7 +38,7 @@ def odometry(simulator, steps=2000):
 @pytest.mark.parametrize('forward, turn', COMMANDS)
 def test_what_does_not_slip_drives_as_asked(urdf, given, forward, turn):
     simulator = assembled(urdf, given).simulator
-    got = velocity(simulator, forward, turn, settle_s=0.8)
+    got = velocity(simulator, forward, turn)
     assert got[0] == pytest.approx(forward, rel=0.02, abs=0.004)
     assert got[1] == pytest.approx(0.0, abs=0.004)
     share = 1.0 if urdf.count(PLANAR) else TURN_SHARE
@@ -86,8 +86,8 @@ def test_a_wall_stops_a_planar_base_and_it_falls_off_an_edge():
     (robot(CONTROL, rows=(0.2, 0.0, -0.2)), controllers(3), (0.2, 0.0, -0.2))])
 def test_a_skid_steered_robot_drives_straight_as_asked_and_slips_when_it_turns(urdf, given, rows):
     simulator = assembled(urdf, given).simulator
-    assert velocity(simulator, 0.4, settle_s=0.8)[0] == pytest.approx(0.4, rel=0.02)
-    assert velocity(simulator, -0.3, settle_s=0.8)[0] == pytest.approx(-0.3, rel=0.02)
+    assert velocity(simulator, 0.4)[0] == pytest.approx(0.4, rel=0.02)
+    assert velocity(simulator, -0.3)[0] == pytest.approx(-0.3, rel=0.02)
     for turn in (1.0, -1.0):
         assert 0.5 < velocity(simulator, 0.0, turn)[2] / turn < 0.9
 

@@ -102,7 +102,7 @@ def turn_rate(urdf, heading):
     simulator = assembled(urdf).simulator
     body = simulator.vehicles[0].robot
     body.place(body.pose()._replace(orientation=rotations.of_yaw(heading)))
-    return velocity(simulator, 0.0, 1.5, settle_s=1.0, seconds=1.5)[2]
+    return velocity(simulator, 0.0, 1.5, settle_s=0.5, seconds=1.0)[2]
 
 
 ONE_CASTER = robot(DRIVE, casters=(-0.13,))
@@ -151,7 +151,7 @@ def test_wheels_with_a_direction_touch_twice_only_while_they_slip():
     simulator = assembled(urdf).simulator
 
     def touching(simulator):
-        simulator.advance(1000)
+        simulator.advance(400)
         return len(pybullet.getContactPoints(physicsClientId=simulator.world.physics_client_id))
 
     assert touching(simulator) == touching(plain)
