@@ -7,8 +7,6 @@ With --accept, texts that programs print and that differ from those in test/expe
 see what has changed by git diff.
 """
 import glob
-import hashlib
-import json
 import os
 import re
 import shutil
@@ -17,7 +15,6 @@ import sys
 
 ROOT = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
 BUILD = os.path.join(ROOT, 'build')
-CLEAN = os.path.join(BUILD, '.flake8.json')
 CMAKE = os.path.join(BUILD, '.cmake')
 RESULTS = os.path.join(BUILD, 'test_results')
 LOG = os.path.join(BUILD, 'test.log')
@@ -43,9 +40,7 @@ def say(text, *values):
 
 def lint():
     """Print a line for each linter, and its output if it reports anything; return the code."""
-    clean, files = _clean_files(), _python_files()
-    changed = sorted(path for path in files if clean.get(path) != files[path])
-    commands = {'flake8': [sys.executable, '-m', 'flake8', *changed],
+    commands = {'flake8': [sys.executable, '-m', 'flake8', '.'],
                 'mypy': [sys.executable, '-m', 'mypy'],
                 'catkin_lint': ['catkin_lint', '-q', '-W2', '--strict', '--ignore',
                                 'package_path_name', ROOT],
@@ -58,49 +53,14 @@ def lint():
         del commands['mypy']
     verdict = 0
     for name, command in commands.items():
-        code, output = (0, '') if name == 'flake8' and not changed else _output(command)
+        code, output = _output(command)
         # mypy keeps nothing of a module with a note, nor of those that import it, for the next run
         if code or ': note: ' in output:
             verdict = 1
             print('[run] {}:\n{}'.format(name, output.rstrip()), flush=True)
         else:
             say('{}: clean', name)
-            if name == 'flake8':
-                os.makedirs(BUILD, exist_ok=True)
-                with open(CLEAN, 'w') as file:
-                    json.dump(files, file)
     return verdict
-
-
-def _clean_files():
-    """Return the files in which flake8 has found nothing, with hashes of what they were then."""
-    try:
-        with open(CLEAN) as file:
-            return json.load(file)
-    except (OSError, ValueError):
-        return {}
-
-
-def _python_files():
-    """Return a hash of each Python file and of how flake8 checks it, by its path."""
-    how = _read('setup.cfg') + _output([sys.executable, '-m', 'flake8', '--version'])[1].encode()
-    return {path: hashlib.sha256(how + _read(path)).hexdigest() for path in _our_files()
-            if path.endswith('.py')}
-
-
-def _read(path):
-    with open(os.path.join(ROOT, path), 'rb') as file:
-        return file.read()
-
-
-def _our_files():
-    """Return the paths of all files but those that are made or not of this package."""
-    for folder, folders, names in os.walk(ROOT):
-        folders[:] = sorted(set(folders) - NOT_OURS)
-        for name in sorted(names):
-            path = os.path.join(folder, name)
-            if os.path.isfile(path):
-                yield os.path.relpath(path, ROOT)
 
 
 def _output(command):
@@ -110,10 +70,14 @@ def _output(command):
 
 
 def _shell_scripts():
-    for path in _our_files():
-        if not path.endswith('.py') and re.search(
-                rb'^#!.*\b(ba)?sh$|^# shellcheck shell=', _read(path), re.M):
-            yield path
+    for folder, folders, names in os.walk(ROOT):
+        folders[:] = sorted(set(folders) - NOT_OURS)
+        for name in sorted(names):
+            path = os.path.join(folder, name)
+            if not name.endswith('.py') and os.path.isfile(path):
+                with open(path, 'rb') as file:
+                    if re.search(rb'^#!.*\b(ba)?sh$|^# shellcheck shell=', file.read(), re.M):
+                        yield os.path.relpath(path, ROOT)
 
 
 # Tests

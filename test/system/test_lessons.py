@@ -27,11 +27,10 @@ LONGEST_S = 400.0       # of a command, on an idle machine
 _BLOCK = re.compile(r'^```(\w+)(?: needs ([\w ]+))?\n(.*?)^```$', re.MULTILINE | re.DOTALL)
 _TERMINAL = re.compile(r'(?:[Tt]erminal|ターミナル) (\d)')
 _CTRL_C = re.compile(r'Ctrl-C in terminal (\d)|ターミナル (\d) で Ctrl-C')
-# what is typed otherwise here: the environment of the test is already that of this shell, readers
-# with a display have no page, and a robot that looks ten times a second does the same
+# what is typed otherwise here: the environment of the test is already that of this shell, and
+# readers with a display have no page
 _OTHERWISE = ((r'^\./run shell$', './run shell true'),
-              (r'^\./run demo (?!.*web:=)', './run demo web:=false '),
-              (' camera:=robot ', ' camera:=robot framerate:=10 '))
+              (r'^\./run demo (?!.*web:=)', './run demo web:=false '))
 
 
 class Step(NamedTuple):
