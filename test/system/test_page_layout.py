@@ -60,7 +60,7 @@ def test_no_tab_is_wider_than_a_phone(phone):
                      > 8 * 5, 'the sliders')
         if tab == 'graph':
             wait_for(lambda: phone.js('return (document.querySelector("[data-graph]") || {})'
-                      '.naturalWidth > 390'), 'the graph')
+                                      '.naturalWidth > 390'), 'the graph')
         wait_for(lambda: phone.js('return [innerWidth, document.documentElement.scrollWidth]')
                  == [390, 390] and not phone.js(TOO_WIDE), lambda: (tab, phone.js(TOO_WIDE)))
 
