@@ -128,12 +128,12 @@ def assert_stands_before(drive, name, nearest=0.4, farthest=0.55, posts=None):
     (2.8, 3.8, 3.0, JITTER, 'blue_post_2'), (-1.0, 0.1, -2.6, JITTER, 'blue_post_1')])
 def test_the_robot_finds_a_blue_post_and_stops_before_it(x, y, yaw, delays, name):
     posts = {'red_post_1': (-1.3, 0.1)}
-    drive = Drive(x, y, yaw, posts, delays=delays).run(24.0)
+    drive = Drive(x, y, yaw, posts, delays=delays).run(14.0)
     assert_stands_before(drive, name, posts=posts)
 
 
 @pytest.mark.parametrize('distance, bearing, seconds', [
-    (0.22, 0.0, 4.0), (0.24, 1.2, 8.0), (0.35, -0.5, 16.0)])
+    (0.22, 0.0, 4.0), (0.24, 1.2, 5.0), (0.35, -0.5, 5.0)])
 def test_a_post_that_is_near_at_the_start_is_not_touched(distance, bearing, seconds):
     posts = {'blue_post_1': (distance * math.cos(bearing), distance * math.sin(bearing))}
     drive = Drive(0.0, 0.0, 0.0, posts, delays=JITTER)
@@ -145,7 +145,7 @@ def test_a_post_that_is_near_at_the_start_is_not_touched(distance, bearing, seco
 @pytest.mark.parametrize('aside', [0.0, 0.12])
 def test_a_red_post_in_the_way_is_not_touched(aside):
     posts = {'red_post_1': (-0.8, aside), 'blue_post_1': (0.5, 0.0)}
-    drive = Drive(-1.6, 0.0, 0.0, posts, delays=JITTER).run(16.0)
+    drive = Drive(-1.6, 0.0, 0.0, posts, delays=JITTER).run(9.0)
     assert drive.contacts == set()
     assert drive.models.state('red_post_1').position[:2] == pytest.approx((-0.8, aside), abs=0.002)
 
@@ -176,7 +176,7 @@ def test_the_robot_follows_a_post_that_is_moved():
 
 
 def test_before_the_post_the_robot_stands_although_the_commands_come_one_by_one():
-    drive = Drive(-0.3, -0.15, 0.0, lag_ns=4 * SECOND_NS // 1000).run(76.0)
+    drive = Drive(-0.3, -0.15, 0.0, lag_ns=4 * SECOND_NS // 1000).run(16.0)
     assert_stands_before(drive, 'blue_post_1')
     headings = [result.motion.yaw for result in drive.results if result.time_ns > 6 * SECOND_NS]
     assert math.degrees(max(headings) - min(headings)) < 1.0
