@@ -114,6 +114,14 @@ class Echo:
         self._thread.join()
 
 
+class Messages(Echo):
+    """The messages themselves, instead of numbers."""
+
+    @staticmethod
+    def row(msg, fields):
+        return msg
+
+
 def _numbers(value):
     """Yield the numbers in a field of a message."""
     if isinstance(value, genpy.TVal):
@@ -134,8 +142,9 @@ def drive(ros, linear, angular=0.0):
     return publisher
 
 
-def call(ros, service):
-    assert ros.run('rosservice', 'call', '/gazebo/' + service).strip() == ''
+def published(ros):
+    """Return the topics that are published."""
+    return {topic for topic, _ in ros.master().getSystemState('/test')[2][0]}
 
 
 def complaints(node):
