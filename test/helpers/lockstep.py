@@ -115,7 +115,7 @@ def controller(ros):
     return ros.start(sys.executable, '-c', CONTROLLER)
 
 
-def path(ros, *parameters, start=driver, images=60, disturb=lambda node, process, rows: None):
+def path(ros, *parameters, start=driver, images=40, disturb=lambda node, process, rows: None):
     """Return where the robot was at each of its first images, and the scans of that time.
 
     parameters: of the simulator; start: start(ros) starts the node that drives; disturb: is called

@@ -15,7 +15,8 @@ from img_recog_helpers.gazebo_messages import INSTALLED, write_package
 from img_recog_helpers.process_table import is_alive
 from img_recog_helpers.sdf_robot import POST, ROBOT
 from img_recog_helpers.service_calls import ServiceCalls
-from img_recog_helpers.simulator_tools import Images, burger, drawing, drive, with_tags
+from img_recog_helpers.simulator_tools import (Echo, Images, Messages, burger, drawing,
+                                               drive, published, with_tags)
 from img_recog_helpers.waiting import DEADLINE_S, wait_for
 
 MODEL = 'turtlebot3_burger'
@@ -125,11 +126,10 @@ def test_without_the_package_the_simulator_says_why(ros, tmp_path):
         reason))
     assert services.startswith('[INFO]') and services.endswith(
         'model_states and the services of models are not offered, because ' + reason)
-    topics = ros.run('rostopic', 'list')
-    assert '/gazebo/real_time_factor' in topics and 'model_states' not in topics
-    services = ros.run('rosservice', 'list').split()
-    assert '/gazebo/pause_physics' in services
-    assert not [name for name in services if 'model_state' in name]
+    assert '/gazebo/real_time_factor' in published(ros)
+    names = [name for kind in ros.master().getSystemState('/test')[2] for name, _ in kind]
+    assert '/gazebo/pause_physics' in names
+    assert not [name for name in names if 'model_state' in name]
     assert node.interrupt() == 0
     assert 'Traceback' not in node.output
 
@@ -165,12 +165,10 @@ def test_states_in_the_world_and_relative_to_models(gazebo):
 
 
 def test_set_state_moves_the_robot_until_the_world_is_reset(gazebo):
-    echo = gazebo.start('rostopic', 'echo', '/odom/pose')
+    place = Echo(gazebo, '/odom/pose/pose/position')
 
     def wait_odometry(x, y):
-        wait_for(lambda: math.dist([(newest(echo) or {'pose': {'position': {axis: 9.0}}})['pose'][
-            'position'].get(axis, 9.0) for axis in 'xy'], (x, y)) < 0.01,
-                 lambda: echo.output[-2000:])
+        place.wait(lambda *found: math.dist(found[:2], (x, y)) < 0.01, (x, y))
     wait_odometry(-2.0, -0.5)
     answer = set_state(gazebo, 0.5, 0.5, 1.0)
     assert (answer['success'], answer['status_message']) == (True, '')
@@ -181,6 +179,7 @@ def test_set_state_moves_the_robot_until_the_world_is_reset(gazebo):
     assert_at(get_state(gazebo), 0.5 + 0.1 * math.cos(1.0), 0.5 + 0.1 * math.sin(1.0), 0.0)
     assert gazebo.services.call('/gazebo/reset_world', {}) is None
     wait_odometry(-2.0, -0.5)
+    place.close()
 
 
 GOAL = """<?xml version='1.0'?>
@@ -281,13 +280,14 @@ def test_a_robot_and_a_scanner_of_an_sdf_are_added_with_their_topics_and_deleted
     text = '<sdf version="1.6">{}</sdf>'
     for name, model in ('bot', ROBOT.format('')), ('post', POST):
         assert spawn(gazebo, name, text.format(model), 20.0, 5.0)['success'] is True
-    gazebo.wait_run('frame_id: "bot_odom"', 'rostopic', 'echo', '-n', '1',
-                    '/robotos_name_space/odom/header')
-    gazebo.wait_run('ranges:', 'rostopic', 'echo', '-n', '1', '/watch')
+    odometry, scan = (Messages(gazebo, topic) for topic in ('/robotos_name_space/odom', '/watch'))
+    assert odometry.wait_more(1)[0].header.frame_id == 'bot_odom'
+    assert scan.wait_more(1)[0].ranges
+    odometry.close()
+    scan.close()
     for name in ('bot', 'post'):
         assert call(gazebo, 'delete_model', {'model_name': name})['success'] is True
-    topics = gazebo.run('rostopic', 'list', '-p').split()
-    assert '/watch' not in topics and '/robotos_name_space/front' not in topics
+    assert not {'/watch', '/robotos_name_space/front'} & published(gazebo)
     assert names(gazebo) == NAMES
 
 
@@ -297,8 +297,9 @@ def test_a_robot_with_a_drive_is_added_with_its_topics_and_deleted(gazebo):
         'success': True, 'status_message': ''}
     assert names(gazebo) == NAMES + ['second']
     assert_at(get_state(gazebo, 'second'), 0.5, 0.55)
-    gazebo.wait_run('frame_id: "robotos_name_space/odom"', 'rostopic', 'echo', '-n', '1',
-                    '/robotos_name_space/odom/header')
+    odometry = Messages(gazebo, '/robotos_name_space/odom')
+    assert odometry.wait_more(1)[0].header.frame_id == 'robotos_name_space/odom'
+    odometry.close()
     assert set_state(gazebo, 0.5, -0.55, name='second')['success'] is True
     assert_at(get_state(gazebo, 'second'), 0.5, -0.55)
     for name, problem in (('third', "there is a robot with the namespace 'robotos_name_space' "
@@ -400,8 +401,9 @@ def test_physics_properties(gazebo):
     gazebo.services.call('/gazebo/unpause_physics', {})
     change(500.0, -1.6)
     assert gazebo.master().getParam('/test', '/gazebo/real_time_factor')[2] == 0.5
-    imu = gazebo.start('rostopic', 'echo', '/imu/linear_acceleration/z')
-    wait_for(lambda: abs((newest(imu) or 9.8) - 1.6) < 0.5, lambda: imu.output)
+    imu = Echo(gazebo, '/imu/linear_acceleration/z')
+    imu.wait(lambda z: abs(z - 1.6) < 0.5, 'less gravity')
+    imu.close()
     change(1000.0, -9.8)
 
 
@@ -531,21 +533,21 @@ def test_a_bumper_reports_what_it_touches(gazebo):
 
 
 def test_a_static_model_that_is_moved_all_the_time_is_seen(gazebo):
-    seen = gazebo.start('rostopic', 'echo', '/gazebo/view/image_raw/header/seq')
+    seen = Echo(gazebo, '/gazebo/view/image_raw/header/seq')
 
     def move_until_seen(what):
         # begins while the scene is loaded, and goes on while it is drawn
-        count = seen.output.count('---')
+        count = len(seen.rows)
         for number in itertools.count():
             set_state(gazebo, 0.01 * (number % 2), 0.0, name='turtlebot3_world')
-            if seen.output.count('---') >= count + 2:
+            if len(seen.rows) >= count + 2:
                 return
-            assert number < 20 * DEADLINE_S, what + seen.output[-500:]
+            assert number < 20 * DEADLINE_S, what
             time.sleep(0.05)
-    move_until_seen('no image: ')
+    move_until_seen('no image')
     first = drawing(gazebo.simulator)
     os.kill(first, signal.SIGKILL)
     wait_for(lambda: not is_alive(first), 'the end of the process that draws')
-    move_until_seen('no image of another process: ')
+    move_until_seen('no image of another process')
     assert drawing(gazebo.simulator) not in (None, first)
     set_state(gazebo, 0.0, 0.0, name='turtlebot3_world')

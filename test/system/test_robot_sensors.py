@@ -3,10 +3,12 @@ import itertools
 import math
 
 import pytest
+from geometry_msgs.msg import Twist
 
+from img_recog_helpers import wire
 from img_recog_helpers.sdf import BUILT_IN, sdf
 from img_recog_helpers.sdf_robot import POST, ROBOT, WALL
-from img_recog_helpers.simulator_tools import Echo, burger, complaints
+from img_recog_helpers.simulator_tools import Echo, Messages, burger, complaints
 from img_recog_helpers.waiting import wait_for
 
 pytestmark = pytest.mark.usefixtures('shared_ros')       # one master
@@ -32,15 +34,15 @@ def test_each_sensor_has_its_topic_and_those_of_a_kind_can_share_one(ros, simula
         + ears))
     node.wait_output('simulating')
     # two ranges that nothing is in, in turn
-    rows = Echo(ros, '/ears/ear/range').wait_more(4)
-    assert {round(row[0], 3) for row in rows} == {0.5, 0.7}
-    for topic, kind in (('/front', 'LaserScan'), ('/back', 'LaserScan'), ('/ears/ear', 'Range')):
-        ros.wait_run('Type: sensor_msgs/' + kind, 'rostopic', 'info', topic)
-    assert 'nowhere' in ros.run('rostopic', 'echo', '-n', '1', '/front/header/frame_id')
-    seen = ros.run('rostopic', 'echo', '-n', '2', '/ears/ear')
-    assert 'frame_id: "ear_left"' in seen and 'frame_id: "ear_right"' in seen
-    assert 'radiation_type: 0' in seen and 'field_of_view: 0.3' in seen
-    assert '/scan' in ros.run('rostopic', 'list', '-p').split()     # the burger's own
+    seen = Messages(ros, '/ears/ear').wait_more(4)
+    assert {(msg.header.frame_id, round(msg.range, 3)) for msg in seen} == {
+        ('ear_left', 0.5), ('ear_right', 0.7)}
+    assert {(msg.radiation_type, round(msg.field_of_view, 3)) for msg in seen} == {(0, 0.3)}
+    types = dict(ros.master().getTopicTypes('/test')[2])
+    for topic, kind in (('/front', 'LaserScan'), ('/back', 'LaserScan'), ('/ears/ear', 'Range'),
+                        ('/scan', 'LaserScan')):        # the burger's own
+        assert types[topic] == 'sensor_msgs/' + kind
+    assert Messages(ros, '/front').wait_more(1)[0].header.frame_id == 'nowhere'
     assert node.interrupt() == 0
     assert complaints(node) == []
 
@@ -88,15 +90,15 @@ def test_models_of_a_world_drive_and_measure_by_their_plugins(ros, simulate, tmp
     assert Echo(ros, '/watch/ranges[0]').wait_more(1)[0][0] == pytest.approx(2.9, abs=1e-3)
     front = Echo(ros, '/bot/front/ranges[0]')
     assert front.wait_more(1)[0][0] == pytest.approx(3.9, abs=0.01)
-    driver = ros.start('rostopic', 'pub', '-r', '10', '/bot/cmd_vel', 'geometry_msgs/Twist',
-                       '{linear: {x: 0.5}}')
-    wait_for(lambda: front.rows[-1][0] < 3.5, lambda: node.output)
-    driver.interrupt()
-    assert 'child_frame_id: "base"' in ros.run('rostopic', 'echo', '-n', '1', '/bot/odom')
-    assert 'left_joint' in ros.run('rostopic', 'echo', '-n', '1', '/bot/joint_states')
-    tilt = ros.run('rostopic', 'echo', '-n', '1', '/bot/tilt/linear_acceleration')
-    assert 'z: 9.' in tilt
-    topics = ros.run('rostopic', 'list', '-p').split()
-    assert not [each for each in topics if 'bare' in each]
+    command = Twist()
+    command.linear.x = 0.5
+    driver = wire.RawPublisher(ros.master_uri, '/bot/cmd_vel', Twist)
+    ros.stack.callback(driver.close)
+    wait_for(lambda: driver.publish(command) and front.rows[-1][0] < 3.5, lambda: node.output)
+    odometry, joints, tilt = (Messages(ros, '/bot/' + name).wait_more(1)[0]
+                              for name in ('odom', 'joint_states', 'tilt'))
+    assert odometry.child_frame_id == 'base' and 'left_joint' in joints.name
+    assert 9.0 < tilt.linear_acceleration.z < 10.0
+    assert not [topic for topic, _ in ros.master().getTopicTypes('/test')[2] if 'bare' in topic]
     assert node.interrupt() == 0
     assert complaints(node) == []

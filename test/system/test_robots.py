@@ -8,7 +8,7 @@ import pytest
 
 from img_recog_helpers import wire
 from img_recog_helpers.service_calls import ServiceCalls
-from img_recog_helpers.simulator_tools import burger
+from img_recog_helpers.simulator_tools import Messages, burger
 from img_recog_helpers.waiting import wait_for
 
 
@@ -71,24 +71,32 @@ def test_robots_that_fail_do_not_keep_the_others_out(shared_ros, several):
         shared_ros.set_parameters(name)
 
 
-def test_a_robot_without_a_place_does_not_take_that_of_another(several):
-    node = several({'a': {}, 'b': {'x_pos': 0.0, 'y_pos': 0.0}}, '_x_pos:=0.0', '_y_pos:=0.0')
+def test_a_given_prefix_of_frames_is_used_and_no_robot_takes_the_place_of_another(
+        shared_ros, several):
+    shared_ros.set_parameters('/a/tf_prefix', 'one')
+    node = several({'a': {}, 'b': {'x_pos': 0.0, 'y_pos': 0.0}}, '_x_pos:=0.0', '_y_pos:=0.0',
+                   '_world_tf:=true')
     node.wait_output('simulating 2 robots')
     node.wait_output('robot b is at the start: x 0.00 m, y 0.00 m')
+    assert Messages(shared_ros, '/a/odom').wait_more(1)[0].header.frame_id == 'one/odom'
+    transforms = Messages(shared_ros, '/tf_static').wait_more(1)[0].transforms
+    assert ('world', 'one/odom') in {(each.header.frame_id, each.child_frame_id)
+                                     for each in transforms}
+    shared_ros.set_parameters('/a')
 
 
 def test_robots_are_added_removed_and_changed_while_it_runs(shared_ros, several):
     services = ServiceCalls(shared_ros)
     node = several({'a': {'x_pos': 1.0}, 'b': {}})
     node.wait_output('simulating 2 robots')
-    rate = shared_ros.start('rostopic', 'echo', '-p', '/c/odom/header/frame_id')
+    odometry = Messages(shared_ros, '/c/odom')
     shared_ros.set_parameters('/gazebo/robots', {
         'a': {'x_pos': 1.0}, 'c': {}, 'd': {'yaw': 'north'}})
     answer = services.call('/gazebo/update_robots', {})
     assert not answer['success']
     assert answer['message'].startswith("d: parameter /gazebo/robots/d/yaw: got 'north'")
     wait_for(lambda: simulated(shared_ros) == ['a', 'c'], lambda: simulated(shared_ros))
-    wait_for(lambda: 'c/odom' in rate.output, lambda: rate.output)
+    assert odometry.wait_more(1)[0].header.frame_id == 'c/odom'
     node.wait_output('robot b was removed')
     shared_ros.set_parameters('/gazebo/robots', {'a': {'x_pos': 3.0}, 'c': {}})
     assert services.call('/gazebo/update_robots', {})['success']
@@ -105,25 +113,9 @@ def test_robots_are_added_removed_and_changed_while_it_runs(shared_ros, several)
     assert node.interrupt() == 0
 
 
-def test_a_given_prefix_of_frames_is_used(shared_ros, several):
-    shared_ros.set_parameters('/a/tf_prefix', 'one')
-    node = several({'a': {}}, '_world_tf:=true')
-    node.wait_output('simulating 1 robots')
-    shared_ros.wait_run('frame_id: "one/odom"', 'rostopic', 'echo', '-n', '1', '/a/odom/header')
-    text = shared_ros.run('rostopic', 'echo', '-n', '1', '/tf_static')
-    assert re.search(r'frame_id: "world"\s+child_frame_id: "one/odom"', text), text
-    shared_ros.set_parameters('/a')
-
-
-@pytest.mark.parametrize('robots, line', [
-    ('0', 'robots: got 0, allowed is a number from 1 to 100, or the path of a YAML file'),
-    ('-1', 'robots: got -1, allowed is a number from 1 to 100'),
-    ('1000', 'robots: got 1000, allowed is a number from 1 to 100'),
-    ('/no/robots.yaml', 'robots: cannot read /no/robots.yaml: No such file or directory')])
-def test_a_number_or_file_that_cannot_be_ends_it_with_one_line(shared_ros, robots, line):
-    node = shared_ros.start_node('robots.py', '_robots:=' + robots)
-    assert node.wait() == 1
-    assert len(re.findall(r'\[FATAL\].*' + line, node.output)) == 1, node.output
+def test_a_number_that_cannot_be_ends_it_with_one_line(shared_ros):
+    assert 'robots: got 0, allowed is a number from 1 to 100, or the path of a YAML file' \
+        in shared_ros.start_node('robots.py', '_robots:=0').fatal_line()
 
 
 # fails until the test says otherwise, and counts
