@@ -195,12 +195,12 @@ class _Builder:
         self._grounds.append((tree, sdf_links.normal(collision)))
 
     def _inertia(self, link: ElementTree.Element, offset: Transform) -> Inertia:
-        # one without has that of SDF
-        inertia, warning = sdf_links.inertia(ElementTree.Element('link'), offset)
         with self._problems.left_out():
             inertia, warning = sdf_links.inertia(link, offset)
-        self._warnings += [warning] if warning else []
-        return inertia
+            self._warnings += [warning] if warning else []
+            return inertia
+        # in place of one that cannot be used, that of a link without
+        return sdf_links.inertia(ElementTree.Element('link'), offset)[0]
 
     def _add_joint(self, joint: SdfJoint, pose: Transform) -> None:
         """Add a joint, with a massless link between two axes.

@@ -3,7 +3,6 @@ import numpy as np
 import pytest
 
 from img_recog.formats import inertias
-from img_recog_helpers import parsed
 from img_recog_helpers.refusals import refusal
 
 TURN = np.array([[0.36, 0.48, -0.8], [-0.8, 0.6, 0.0], [0.48, 0.64, 0.6]])
@@ -66,23 +65,6 @@ def test_the_margin(given, nearest):
 def test_a_small_change_is_not_worth_a_warning(excess, is_said):
     found = inertias.possible('l', 1.0, np.diag((1.0, 2.0, 3.0 + excess)))
     assert (found.warning != '') is is_said
-
-
-@pytest.mark.parametrize('inertial, wanted', [
-    ('<mass value="-1"/><inertia ixx="1"/>',
-     'mass of link l: got -1 kg, expected more than 0 (or no <inertial>)'),
-    ('<mass/><inertia ixx="1"/>', 'mass of link l: got None, expected 1 finite number'),
-    ('<mass value="1"/><inertia ixx="x"/>',
-     "inertia of link l: got 'x 0 0 0 0 0 0 0 0', expected 9 finite numbers"),
-    ('<mass value="1"/>', 'link l: <inertial> must have <mass> and <inertia>'),
-    ('<inertia ixx="1"/>', 'link l: <inertial> must have <mass> and <inertia>')])
-def test_refuses_an_inertia_that_is_not_complete(inertial, wanted):
-    assert refusal(read, '<inertial>{}</inertial>'.format(inertial)) == wanted
-
-
-def read(inertial):
-    link, = parsed.given('<robot><link name="l">{}</link></robot>'.format(inertial)).links
-    return link.inertia
 
 
 @pytest.mark.parametrize('mass, words', [

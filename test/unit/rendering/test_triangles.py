@@ -97,6 +97,9 @@ def test_a_submesh_may_be_moved_to_the_middle(tmp_path):
     assert part.positions.tolist() == [[[1, -.5, -.5], [-1, .5, -.5], [-1, -.5, .5]]]
     with pytest.raises(MeshError, match='has no submesh c; its submeshes are: a, b'):
         of_shape(Shape(MESH, (1.0, 1.0, 1.0), path, Submesh('c')))
+    (tmp_path / 'a.obj').write_text(OBJ)
+    with pytest.raises(MeshError, match='its submeshes are: none$'):
+        of_shape(Shape(MESH, (1.0, 1.0, 1.0), path, Submesh('c')))
 
 
 def test_obj_without_a_material_is_grey(tmp_path):

@@ -163,13 +163,6 @@ def test_refusals(settings, words):
     assert words in refusal(simulator, **settings)
 
 
-@pytest.mark.parametrize('x, y, z, found', [
-    (-2.0, -0.5, 0.0, []), (0.0, 0.1, 0.0, ['turtlebot3_burger in turtlebot3_world']),
-    (-2.0, -0.5, -0.1, [])])            # lifted onto the floor
-def test_a_start_inside_of_something_is_noticed(x, y, z, found):
-    assert simulator('turtlebot3_world', x=x, y=y, z=z).overlaps() == found
-
-
 def test_what_touches_the_robot_from_the_side_is_named():
     sim = simulator('turtlebot3_world', x=-2.0, y=-0.5)
     robot = sim.vehicles[0].robot

@@ -11,7 +11,6 @@ from img_recog.formats import textures
 from img_recog.formats.meshes import mesh_file
 from img_recog.formats.meshes.mesh_file import MeshError
 from img_recog.formats.textures import TextureError
-from img_recog.model import WHITE, Submesh
 from img_recog_helpers import bombs
 
 COLLADA = '''<COLLADA version="1.4.1" xmlns="http://www.collada.org/2005/11/COLLADASchema">
@@ -67,11 +66,6 @@ def test_collada_in_its_unit_and_without_its_up_axis(tmp_path):
     assert np.abs(part.normals[0, 0]) == pytest.approx([0, 1, 0])
 
 
-def test_obj_without_a_material(tmp_path):
-    for part in mesh_file.read(put(tmp_path, 'a.obj', OBJ)):
-        assert part.material == WHITE and not part.has_material and part.positions.max() == 1
-
-
 TEXTURED = ('mtllib a.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 0 1\nusemtl m\n'
             'f 1/1 2/2 3/3\n')
 
@@ -87,13 +81,6 @@ def textured(folder, image):
     assert part.has_material and part.problem == ''
     assert part.uvs[0].tolist() == [[0, 0], [1, 0], [0, 1]]
     return part
-
-
-def test_textures_are_found_where_gazebo_looks_for_them(tmp_path):
-    (tmp_path / 'materials' / 'textures').mkdir(parents=True)
-    Image.new('RGB', (2, 2), (10, 20, 30)).save(str(tmp_path / 'materials' / 'textures' / 'a.png'))
-    part = textured(tmp_path, 'a.png')
-    assert textures.read(part.material.texture)[0, 0].tolist() == [10, 20, 30]
 
 
 def encoded(suffix):
@@ -153,20 +140,6 @@ def test_pybullet_gets_each_material_of_an_obj(tmp_path):
     parts = mesh_file.read(mesh_file.write(path, str(tmp_path / 'written'), materials=True))
     colors = {tuple(np.round(part.material.color, 6)) for part in parts}
     assert len(parts) == 3 and {(0.2, 0.4, 0.6, 1), (1, 0, 0.8, 1)} <= colors
-
-
-def test_a_submesh_of_the_whole_is_taken_out(tmp_path):
-    path = put(tmp_path, 'a.obj', 'v 0 0 0\nv 2 0 0\nv 0 4 6\nv 9 9 9\nf 1 2 4\no b\nf 1 2 3\n')
-    parts = mesh_file.read(path)
-    part, = mesh_file.select(parts, Submesh('b', is_centered=True))
-    assert part.positions.tolist() == [[[-1, -2, -3], [1, -2, -3], [-1, 2, 3]]]
-    assert len(mesh_file.select(parts, Submesh())) == 2
-    for use in (lambda: mesh_file.select(parts, Submesh('c')),
-                lambda: mesh_file.write(path, str(tmp_path), submesh=Submesh('c'))):
-        with pytest.raises(MeshError, match='has no submesh c; its submeshes are: b$'):
-            use()
-    with pytest.raises(MeshError, match='its submeshes are: none$'):
-        mesh_file.select(parts[:0], Submesh('c'))
 
 
 def test_the_normals_of_an_obj_count_where_they_are_no_zeros(tmp_path):
