@@ -5,6 +5,7 @@ import pytest
 import yaml
 
 from img_recog.batch import sweep_file
+from img_recog_helpers import expected
 from img_recog_helpers.refusals import refusal
 
 POSTS = {'goal': 'blue_post*'}
@@ -74,28 +75,9 @@ def test_files_begin_in_the_folder_of_the_sweep(read, tmp_path):
     assert run.parameters['world'] == 'color_posts' and run.key == 'run#1'
 
 
-@pytest.mark.parametrize('parameters, others, words', [
-    ({'x_poss': 1}, {}, 'unknown is x_poss; did you mean x_pos?'),
-    ({}, {'rums': 3}, 'unknown is rums; did you mean runs?'),
-    ({}, {'success': {'distanze': 1}}, 'success: unknown is distanze; did you mean distance?'),
-    ({'light': {'dim': {'light_exposur': 1}}}, {}, 'did you mean light_exposure?'),
-    ({'light': LIGHTS}, {'cells': ['lihgt']}, 'did you mean light?'),
-    ({'x_pos': 'left'}, {}, "x_pos: got 'left', allowed is a finite number from -1000 to 1000"),
-    ({}, {'runs': 0}, 'runs: got 0, allowed is a whole number from 1'),
-    ({}, {'time_limit': -1}, 'time_limit: got -1.0, allowed is a finite number above 0'),
-    ({'x_pos': [1, 2]}, {'runs': 500001}, 'yaml: 1000002 runs, allowed are 1000000; set runs to'),
-    ({'x_pos': {'from': 2, 'to': 1}}, {}, 'expected two numbers, the lower one first'),
-    ({'camera_width': {'from': 20, 'to': 30}}, {}, 'expected two numbers'),
-    ({'x_pos': [1, 2, 1.0]}, {}, 'x_pos: 1.0 is given twice'),
-    ({1: LIGHTS, '1': {'a': {'yaw': 1}}}, {}, 'sweep.yaml: 1 is given twice'),
-    ({'x_pos': []}, {}, 'x_pos: expected one value at least'),
-    ({'light': {'dim': 3}}, {}, 'light: dim: expected lines'),
-    ({'x_pos': 1, 'start': {'left': {'x_pos': 2}}}, {}, 'x_pos is given twice'),
-    ({'world': 'mars.sdf'}, {}, 'mars.sdf; known worlds are empty, '),
-    ({'colors': 'none.yaml'}, {}, 'colors: no file'),
-    ({'goal': ''}, {}, "goal: got '', allowed is a non-empty string")])
-def test_what_is_refused(read, parameters, others, words):
-    assert words in refusal(read, parameters, **others)
+def test_what_is_refused(read, tmp_path):
+    expected.check_refused('sweeps.txt', lambda text: refusal(read, **yaml.safe_load(text))
+                           .replace('{}/'.format(tmp_path), ''))
 
 
 @pytest.mark.parametrize('text', ['', '[', 'a: 1', 'parameters: 3', 'parameters: {x_pos: 1}'])

@@ -6,6 +6,8 @@ import pytest
 from img_recog.recognition import parameter_file
 from img_recog.recognition.recognition_settings import Color, with_colors
 from img_recog.settings import ParameterError
+from img_recog_helpers import expected
+from img_recog_helpers.refusals import refusal
 
 CONFIG = os.path.join(os.path.dirname(__file__), '..', '..', '..', 'config', 'colors.yaml')
 
@@ -32,29 +34,9 @@ def test_another_file(tmp_path):
     assert settings.stop_when_lost == 0.5
 
 
-@pytest.mark.parametrize('text, words', [
-    ('', 'got nothing, expected lines like colors: [blue, red]'),
-    ('# a comment\n', 'got nothing'), ('- blue\n', 'got list'), ('blue', 'got str'),
-    ('a: [', 'no YAML, line 1'), ('colors: []', 'parameter colors: got []'),
-    ('colors:', 'parameter colors: got nothing'),
-    ('colors: [green]', 'parameter green_hue_min: got nothing'),
-    ('5: 6', 'got 5 where the name'),
-    ('blue_linear_x: 1' + 400 * '0', 'allowed is a finite number, within 32 bits'),
-    ('min_blob_size: 99999999999', 'allowed is a whole number at least 0, within 32 bits'),
-    ('purple_hue_min: 3', 'there is no color purple, the colors are blue, red; add it to '
-     'colors: [blue, red, purple]'),
-    ('x' * 300 + '_hue_min: 3', 'there is no color {} ... {}, the'.format('x' * 33, 'x' * 12)),
-    ('blue_hue_mim: 3', 'did you mean blue_hue_min?'),
-    ('red_area_limit: -5', 'parameter red_area_limit: got -5, allowed is a whole number '
-     'at least 0'),
-    ('blue_value_min: 200\nblue_value_max: 100', 'parameter blue_value_min: got 200, allowed is '
-     'at most blue_value_max, which is 100')])
-def test_refused_files(tmp_path, text, words):
-    path = written(tmp_path, text)
-    with pytest.raises(ParameterError) as caught:
-        parameter_file.read(path)
-    assert words in str(caught.value) and path in str(caught.value)
-    assert '\n' not in str(caught.value)
+def test_refused_files(tmp_path):
+    expected.check_refused('colors.txt', lambda text: refusal(
+        parameter_file.read, written(tmp_path, text)).replace('{}/'.format(tmp_path), ''))
 
 
 @pytest.mark.parametrize('name, reason', [

@@ -2,9 +2,12 @@
 import dataclasses
 
 import pytest
+import yaml
 
 from img_recog.recognition.recognition_settings import Color, color_in, color_names, with_colors
 from img_recog.settings import SettingError
+from img_recog_helpers import expected
+from img_recog_helpers.refusals import refusal
 
 
 def test_defaults_are_the_articles():
@@ -32,27 +35,9 @@ def test_replacing_a_field_leaves_the_original_unchanged():
     assert settings.colors[1].hue == (150, 180)
 
 
-@pytest.mark.parametrize('values, text', [
-    ({'blue_hue_min': -1}, 'blue_hue_min: got -1, allowed is a whole number from 0 to 180'),
-    ({'blue_hue_max': 181}, 'blue_hue_max: got 181, allowed is a whole number from 0 to 180'),
-    ({'red_value_max': 256}, 'red_value_max: got 256, allowed is a whole number from 0 to 255'),
-    ({'red_value_min': 1.5}, 'red_value_min: got 1.5, allowed is a whole number from 0 to 255'),
-    ({'red_row_min': 0.6, 'red_row_max': 0.5},
-     'red_row_min: got 0.6, allowed is at most red_row_max, which is 0.5'),
-    ({'red_column_max': 1.5}, 'red_column_max: got 1.5, allowed is a finite number from 0 to 1'),
-    ({'blue_saturation_min': 200, 'blue_saturation_max': 150},
-     'blue_saturation_min: got 200, allowed is at most blue_saturation_max, which is 150'),
-    ({'red_value_max': 149}, 'red_value_min: got 150, allowed is at most red_value_max, which is '
-     '149'),
-    ({'blue_area_limit': -1}, 'blue_area_limit: got -1, allowed is a whole number at least 0'),
-    ({'blue_linear_x': float('nan')}, 'blue_linear_x: got nan, allowed is a finite number'),
-    ({'stop_when_lost': -0.1},
-     'stop_when_lost: got -0.1, allowed is a finite number at least 0'),
-    ({'roi_width': -1}, 'roi_width: got -1, allowed is a whole number at least 0')])
-def test_refused_values(values, text):
-    with pytest.raises(SettingError) as caught:
-        with_colors()(**values)
-    assert str(caught.value) == text
+def test_refused_values():
+    expected.check_refused('color_settings.txt', lambda text: refusal(
+        with_colors(), **yaml.safe_load(text)))
 
 
 def test_hues_of_a_new_color_are_required():
