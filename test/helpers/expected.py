@@ -7,7 +7,6 @@ from img_recog.errors import UserError
 from img_recog_helpers.pages import ROOT
 
 FOLDER = os.path.join('test', 'expected')
-_REFUSED = '-> '
 _ACCEPT = 'IMG_RECOG_ACCEPT'        # of the environment, set by ./run test --accept
 _GIVES = '\n=>'
 
@@ -50,18 +49,3 @@ def _with_result(given: str, printed: Callable[[str], str]) -> str:
     except UserError as error:
         result = 'refused: {}'.format(error)
     return '{}{}\n{}\n'.format(given, _GIVES, result)
-
-
-def check_refused(name: str, refuse: Callable[[str], str]) -> None:
-    """Compare the lines by which inputs are refused with those in test/expected/refused/.
-
-    The file has an input, the line, and an empty line, again and again. refuse: called with each
-    input, returns the line.
-    """
-    path = os.path.join(FOLDER, 'refused', name)
-    with open(os.path.join(ROOT, path), encoding='utf-8') as opened:
-        cases = opened.read().rstrip('\n').split('\n\n')
-    inputs = [''.join(line + '\n' for line in case.splitlines() if not line.startswith(_REFUSED))
-              for case in cases]
-    check(path, '\n'.join('{}{}{}\n'.format(given, _REFUSED, refuse(given.rstrip('\n')))
-                          for given in inputs))

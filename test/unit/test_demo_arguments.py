@@ -28,7 +28,7 @@ def test_refused(checked):
         code, output = checked(*shlex.split(words))
         assert code == 1 and output.count('\n') == 1
         return output.rstrip('\n')
-    expected.check_refused('demo.txt', line)
+    expected.check_cases('refused/demo.txt', line)
 
 
 def test_help_lists_all_arguments_in_groups_with_their_defaults(checked):

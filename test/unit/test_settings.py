@@ -44,7 +44,8 @@ def test_defaults_without_arguments():
 
 
 def test_error_names_field_value_and_allowed_values():
-    expected.check_refused('settings.txt', lambda text: refusal(Sample, **yaml.safe_load(text)))
+    expected.check_cases('refused/settings.txt',
+                         lambda text: refusal(Sample, **yaml.safe_load(text)))
     with pytest.raises(SettingError) as refused:
         Sample(width=801)
     error = refused.value

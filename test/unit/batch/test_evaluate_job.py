@@ -118,7 +118,7 @@ def test_truth_that_is_refused(folder, monkeypatch, caplog):
         (folder / 'truth.csv').write_text('recording,frame,color,in_view\n' + rows)
         assert run(monkeypatch, 'film.avi', '--colors', 'low.yaml', '--truth', 'truth.csv') == 1
         return '\n'.join(caplog.messages)
-    expected.check_refused('truths.txt', line)
+    expected.check_cases('refused/truths.txt', line)
 
 
 @pytest.mark.parametrize('names, shown', [

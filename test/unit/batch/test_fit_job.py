@@ -346,7 +346,7 @@ def test_samples_that_are_refused_leave_nothing(fit, tmp_path):
         code, output, log = fit('a.png')
         assert (code, output, len(log), sorted(os.listdir('.'))) == (1, '', 1, before)
         return re.sub('(?<=the best ones, ).*', '...', log[0])
-    expected.check_refused('fit_samples.txt', line)
+    expected.check_cases('refused/fit_samples.txt', line)
 
 
 def test_refused_arguments(fit, tmp_path):
@@ -356,7 +356,7 @@ def test_refused_arguments(fit, tmp_path):
         code, output, log = fit(*shlex.split(arguments))
         assert (code, output, len(log)) == (1, '', 1)
         return log[0]
-    expected.check_refused('fits.txt', line)
+    expected.check_cases('refused/fits.txt', line)
 
 
 def test_colors_of_the_check_that_are_not_fitted(fit, tmp_path):

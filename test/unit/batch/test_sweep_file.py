@@ -76,8 +76,8 @@ def test_files_begin_in_the_folder_of_the_sweep(read, tmp_path):
 
 
 def test_what_is_refused(read, tmp_path):
-    expected.check_refused('sweeps.txt', lambda text: refusal(read, **yaml.safe_load(text))
-                           .replace('{}/'.format(tmp_path), ''))
+    expected.check_cases('refused/sweeps.txt', lambda text: refusal(
+        read, **yaml.safe_load(text)).replace('{}/'.format(tmp_path), ''))
 
 
 @pytest.mark.parametrize('text', ['', '[', 'a: 1', 'parameters: 3', 'parameters: {x_pos: 1}'])

@@ -58,7 +58,7 @@ def test_calibration_that_cannot_rectify_is_refused(path):
         assert refusal(calibration.load, path) == problem.replace(
             'the calibration', 'calibration ' + path)
         return problem
-    expected.check_refused('calibration_values.txt', line)
+    expected.check_cases('refused/calibration_values.txt', line)
 
 
 @pytest.mark.parametrize('fields', [
@@ -173,7 +173,7 @@ def test_file_that_is_no_calibration(path, content, problem):
 
 
 def test_entry_that_is_wrong_is_named(path):
-    expected.check_refused('calibrations.txt', lambda text: refused_load(
+    expected.check_cases('refused/calibrations.txt', lambda text: refused_load(
         path, yaml.safe_load(text)).replace(path, 'FILE'))
 
 

@@ -98,7 +98,7 @@ def test_what_is_wrong(findings):
         # systems say in different words why a name is no address, and name packages otherwise
         problem = re.sub('(?<=invalid:9: ).*', '...', found.problem)
         return '{}; {}'.format(problem, re.sub('[a-z0-9-]+(?=-no-such-)', '...', found.advice))
-    expected.check_refused('running_systems.txt', line)
+    expected.check_cases('refused/running_systems.txt', line)
 
 
 def test_a_command_that_nobody_gives_is_a_note(findings):

@@ -35,7 +35,7 @@ def test_another_file(tmp_path):
 
 
 def test_refused_files(tmp_path):
-    expected.check_refused('colors.txt', lambda text: refusal(
+    expected.check_cases('refused/colors.txt', lambda text: refusal(
         parameter_file.read, written(tmp_path, text)).replace('{}/'.format(tmp_path), ''))
 
 

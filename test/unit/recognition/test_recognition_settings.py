@@ -36,7 +36,7 @@ def test_replacing_a_field_leaves_the_original_unchanged():
 
 
 def test_refused_values():
-    expected.check_refused('color_settings.txt', lambda text: refusal(
+    expected.check_cases('refused/color_settings.txt', lambda text: refusal(
         with_colors(), **yaml.safe_load(text)))
 
 

@@ -145,7 +145,7 @@ def test_a_method_of_an_object_has_state(write):
 
 def test_names_that_are_refused(write):
     write('N = 3\ndef one(image): pass\ndef four(a, b, c, d): pass\n')
-    expected.check_refused('functions.txt', lambda name: refusal(load, name))
+    expected.check_cases('refused/functions.txt', lambda name: refusal(load, name))
 
 
 @pytest.mark.parametrize('text, words', [

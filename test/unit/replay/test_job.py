@@ -201,4 +201,4 @@ def test_options_that_make_no_sense(run, make_video, tmp_path, caplog):
         assert run(*arguments.split())[:2] == (1, '')
         assert os.listdir(str(tmp_path)) == ['video.avi']
         return '\n'.join(caplog.messages)
-    expected.check_refused('replays.txt', line)
+    expected.check_cases('refused/replays.txt', line)

@@ -75,7 +75,7 @@ def test_one_that_is_wrong_does_not_keep_the_others_out(listed, tmp_path):
         line, = map(str, found.problems)
         assert '\n' not in line
         return line.replace(str(tmp_path), '')
-    expected.check_refused('robots.txt', problem)
+    expected.check_cases('refused/robots.txt', problem)
 
 
 @pytest.mark.parametrize('text, words', [

@@ -89,5 +89,5 @@ def test_samples_that_cannot_be_used(labels, tmp_path):
     cv2.imwrite(str(tmp_path / 'black.png'), np.zeros(SHAPE, np.uint8))
     (tmp_path / 'text.png').write_text('a letter')
     Image.new('L', SHAPE).save(str(tmp_path / 'gif.png'), 'GIF')
-    expected.check_refused('labels.txt', lambda text: refusal(labels, text).replace(
+    expected.check_cases('refused/labels.txt', lambda text: refusal(labels, text).replace(
         '{}/'.format(tmp_path), ''))

@@ -61,5 +61,5 @@ def test_a_color_of_which_nothing_says_where_it_is(read, text, color):
 
 
 def test_refused_files(read, tmp_path):
-    expected.check_refused('samples.txt', lambda text: refusal(read, text).replace(
+    expected.check_cases('refused/samples.txt', lambda text: refusal(read, text).replace(
         '{}/'.format(tmp_path), ''))
