@@ -75,6 +75,7 @@ def test_conversion_reuses_its_buffer():
 @pytest.mark.parametrize('change, text', [
     ({'width': 0}, 'it has no pixels'), ({'height': 0}, 'it has no pixels'),
     ({'step': 100}, 'a row takes 192 bytes'), ({'data': b'short'}, 'the data is too short'),
+    ({'data': bytes(192 * 48 - 1)}, 'the data is too short'),
     ({'data': b''}, 'the data is too short'), ({'data': b''}, ', 0 bytes to bgr8'),
     ({'height': 4000000000}, 'the data is too short'), ({'encoding': 'rgb9'}, "'rgb9'"),
     ({'width': 1 << 20, 'height': 1 << 20}, 'a row takes'),
