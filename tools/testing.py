@@ -141,7 +141,7 @@ def _run_all():
     # Most tests wait for a robot in real time, so several fit on two cores at the same time. Two
     # more than cores: with one more, a tenth of the time of two cores was left.
     jobs = min(4, len(os.sched_getaffinity(0)) + 2)
-    say('running the tests, {} at a time, about 15 min; the full output is in build/test.log',
+    say('running the tests, {} at a time, about 12 min; the full output is in build/test.log',
         jobs)
     return _make('run_tests', '-j', str(jobs))
 
