@@ -90,12 +90,9 @@ class CompressedImages:
         except ImageError as error:
             self._warn('%s', error)
             return
-        try:
+        with lifecycle.until_shutdown():
             self._publisher.publish(msg)
             self.sent.add()
-        except Exception as error:
-            if not lifecycle.is_of_shutdown(error):
-                raise
 
 
 def publisher(topic: str, data_class: type, queue_size: int, redelivery: Optional[Redelivery]

@@ -132,11 +132,8 @@ class NodeDiagnostics:
 
     def _run(self) -> None:
         while not self._ended.wait(_PERIOD_S):
-            try:
+            with lifecycle.until_shutdown():
                 self._updater.force_update()
-            except Exception as error:
-                if not lifecycle.is_of_shutdown(error):
-                    raise
 
     @staticmethod
     def _fill(report: Report, status: DiagnosticStatusWrapper) -> DiagnosticStatusWrapper:

@@ -7,7 +7,7 @@ import sys
 import threading
 import traceback
 from types import MappingProxyType
-from typing import Callable
+from typing import Callable, Iterator
 
 import rospy
 
@@ -109,6 +109,16 @@ def is_of_shutdown(error: Exception) -> bool:
     return isinstance(error, rospy.ROSException) or any(
         frame.f_globals.get('__name__', '').split('.')[0] == 'rospy'
         for frame, _ in traceback.walk_tb(error.__traceback__))
+
+
+@contextlib.contextmanager
+def until_shutdown() -> Iterator[None]:
+    """End the `with` without an error that is of a shutdown: for threads that publish."""
+    try:
+        yield
+    except Exception as error:
+        if not is_of_shutdown(error):
+            raise
 
 
 def on_shutdown(hook: Callable[[], None]) -> None:

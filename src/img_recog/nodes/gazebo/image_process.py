@@ -16,6 +16,7 @@ from img_recog.processes.helper_process import HelperProcess
 from img_recog.rendering import renderer, server
 from img_recog.rendering.camera import Camera
 from img_recog.rendering.server import Answer, Picture, Request, Shot
+from img_recog.ros import lifecycle
 from img_recog.ros.diagnostics import EventCounter, Durations, add_counter, add_durations
 
 _POLL_PERIOD_S = 0.1
@@ -249,5 +250,6 @@ class ImageProcess:
         if publish is not None:
             self._durations.add(duration_s)
             self._failures = 0
-            publish(pictures)
+            with lifecycle.until_shutdown():
+                publish(pictures)
             self._images.add(len(pictures))

@@ -7,6 +7,7 @@ import threading
 
 import numpy as np
 import pytest
+import rospy
 from diagnostic_msgs.msg import DiagnosticStatus
 
 from img_recog.model import Surroundings, VisualScene
@@ -264,6 +265,24 @@ def test_a_process_that_hangs_is_killed(make, warnings, monkeypatch, is_starting
                         r'for \d+ s; it is replaced after 1 s$', warnings.pop(0))
     wait_for(lambda: warnings, 'the warning')
     assert warnings == [AGAIN.format(-9)] and drawn.colors == []
+
+
+@pytest.mark.parametrize('is_shut_down', [False, True])
+def test_topics_that_are_closed_while_it_publishes_are_an_error_until_the_shutdown(
+        make, monkeypatch, is_shut_down):
+    errors, published = [], threading.Event()
+    monkeypatch.setattr(threading, 'excepthook', errors.append)
+    monkeypatch.setattr(rospy.core, 'is_shutdown_requested', lambda: is_shut_down)
+
+    def publish(pictures):
+        published.set()
+        raise rospy.ROSException('topic was closed during publish()')
+    made, _ = make()
+    start(made)
+    made.draw([shot(1)], POSES, publish)
+    assert published.wait(DEADLINE_S)
+    made.close()
+    assert len(errors) == (0 if is_shut_down else 1)
 
 
 @pytest.mark.parametrize('is_starting, problem', [
