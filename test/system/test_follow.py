@@ -77,18 +77,23 @@ class Drive(Recorder):
         self._lagged_ns += self._lag_ns
         self._chain.simulate_until(self._lagged_ns)
 
-    def run(self, seconds, at_frame=lambda time_s: None):
-        """Drive; at_frame is called with the time of each frame, before it is processed."""
+    def run(self, seconds, at_frame=lambda time_s: None, until=lambda drive: False):
+        """Drive; at_frame is called with the time of each frame, before it is processed.
+
+        seconds: at most; until: until(drive) says after a frame that the rest is not needed.
+        """
         camera = dataclasses.replace(scenario.camera_settings(self._built), camera_width=160,
                                      camera_height=120)
         frames = RobotFrames(self._built, camera, seconds)
         frames.follow(self._chain.simulate_until)
-        self._chain.run(self._recognition.measure(self._late(frames, at_frame)))
+        self._chain.run(self._recognition.measure(self._late(frames, at_frame, until)))
         return self
 
-    def _late(self, frames, at_frame):
+    def _late(self, frames, at_frame, until):
         images = deque(maxlen=max(next(self._delays) for _ in range(50)) + 1)
         for frame in frames:
+            if until(self):
+                break
             at_frame(frame.stamp_ns / SECOND_NS)
             images.append(frame.image)
             age = min(next(self._delays), len(images) - 1)
@@ -107,10 +112,14 @@ class Drive(Recorder):
     def rest_s(self):
         """Return for how long the robot has stood at the end."""
         end = self.results[-1]
-        moving = [result.time_ns for result in self.results
-                  if abs(result.motion.position - end.motion.position).max() > 0.002
-                  or abs(result.motion.yaw - end.motion.yaw) > 0.005]
-        return (end.time_ns - max(moving, default=0)) / SECOND_NS
+        moving_ns = next((result.time_ns for result in reversed(self.results)
+                          if abs(result.motion.position - end.motion.position).max() > 0.002
+                          or abs(result.motion.yaw - end.motion.yaw) > 0.005), 0)
+        return (end.time_ns - moving_ns) / SECOND_NS
+
+    def rests(self):
+        """Return whether the robot has stood for longer than a test of its rest asks for."""
+        return self.results and self.rest_s() > 1.2
 
 
 def assert_stands_before(drive, name, nearest=0.4, farthest=0.55, posts=None):
@@ -128,7 +137,7 @@ def assert_stands_before(drive, name, nearest=0.4, farthest=0.55, posts=None):
     (2.8, 3.8, 3.0, JITTER, 'blue_post_2'), (-1.0, 0.1, -2.6, JITTER, 'blue_post_1')])
 def test_the_robot_finds_a_blue_post_and_stops_before_it(x, y, yaw, delays, name):
     posts = {'red_post_1': (-1.3, 0.1)}
-    drive = Drive(x, y, yaw, posts, delays=delays).run(14.0)
+    drive = Drive(x, y, yaw, posts, delays=delays).run(14.0, until=Drive.rests)
     assert_stands_before(drive, name, posts=posts)
 
 
@@ -138,7 +147,7 @@ def test_a_post_that_is_near_at_the_start_is_not_touched(distance, bearing, seco
     posts = {'blue_post_1': (distance * math.cos(bearing), distance * math.sin(bearing))}
     drive = Drive(0.0, 0.0, 0.0, posts, delays=JITTER)
     begin = drive.gap('blue_post_1')
-    drive.run(seconds)
+    drive.run(seconds, until=Drive.rests)
     assert_stands_before(drive, 'blue_post_1', begin - 0.01, begin + 0.06, posts)
 
 
@@ -156,27 +165,27 @@ def test_the_robot_follows_a_post_that_is_moved():
     def place(time_s):
         """Away for 6 s at 0.15 m/s, a pause, and aside."""
         return (x + 0.15 * min(max(time_s - 4.0, 0.0), 6.0),
-                y + 0.15 * min(max(time_s - 16.0, 0.0), 4.0))
+                y + 0.15 * min(max(time_s - 13.0, 0.0), 4.0))
     drive = Drive(-1.0, -0.5, 0.0, {'blue_post_1': (x, y)}, delays=JITTER)
     gaps = {}
 
     def at_frame(time_s):
         drive.move('blue_post_1', *place(time_s))
         gaps[time_s] = drive.gap('blue_post_1')
-    drive.run(26.0, at_frame)
-    assert_stands_before(drive, 'blue_post_1', posts={'blue_post_1': place(26.0)})
+    drive.run(22.0, at_frame)
+    assert_stands_before(drive, 'blue_post_1', posts={'blue_post_1': place(22.0)})
     before, between = (min((gap for time_s, gap in gaps.items() if abs(time_s - at_s) < 0.02))
-                       for at_s in (4.0, 15.5))
+                       for at_s in (4.0, 12.5))
     assert 0.4 < before < 0.55 and 0.4 < between < 0.55
     assert min(gaps.values()) > 0.4 and drive.results[-1].motion.position[0] > 0.2
     ahead = drive.results[-1].motion
-    x, y = place(26.0)
+    x, y = place(22.0)
     bearing = math.atan2(y - ahead.position[1], x - ahead.position[0]) - ahead.yaw
     assert abs(bearing) < 0.2
 
 
 def test_before_the_post_the_robot_stands_although_the_commands_come_one_by_one():
-    drive = Drive(-0.3, -0.15, 0.0, lag_ns=4 * SECOND_NS // 1000).run(16.0)
+    drive = Drive(-0.3, -0.15, 0.0, lag_ns=4 * SECOND_NS // 1000).run(12.0)
     assert_stands_before(drive, 'blue_post_1')
     headings = [result.motion.yaw for result in drive.results if result.time_ns > 6 * SECOND_NS]
     assert math.degrees(max(headings) - min(headings)) < 1.0
@@ -191,5 +200,6 @@ def test_without_the_near_colors_the_post_is_touched(tmp_path):
     path.write_text(text.replace('near_row_min: 0.85', 'near_row_min: 1.0').replace(
         'left_row_min: 0.85', 'left_row_min: 1.0').replace(
         'right_row_min: 0.85', 'right_row_min: 1.0'))
-    drive = Drive(-0.3, -0.15, 0.0, colors=str(path)).run(6.0)
+    drive = Drive(-0.3, -0.15, 0.0, colors=str(path)).run(
+        6.0, until=lambda drive: drive.contacts)
     assert drive.contacts == {'blue_post_1'}
