@@ -14,33 +14,29 @@ pytestmark = pytest.mark.usefixtures('shared_ros')       # one master
 
 
 def test_the_path_does_not_depend_on_speed_language_buffers_and_killed_programs(ros, tmp_path):
-    def kill_both(node, process, rows):
-        wait_for(lambda: len(rows) > 10, lambda: node.output)
-        os.kill(drawing(node), signal.SIGKILL)
-        wait_for(lambda: len(rows) > 25, lambda: node.output)
-        process.send_signal(signal.SIGKILL)
-        process.wait()
-        driver(ros)
+    fast, programs = '_real_time_factor:=0', []
 
-    fast = '_real_time_factor:=0'
-    first = path(ros, fast)
-    assert path(ros, '_real_time_factor:=1', start=lambda ros: driver(
-        ros, delay='0.1 * numpy.random.random()', buffer_bits=16)) == first
-    assert path(ros, fast, disturb=kill_both) == first
-    second = []
+    def slow_driver():
+        return driver(ros, delay='0.1 * numpy.random.random()', buffer_bits=16, topic='found')
 
     def chain(ros):
-        second.append(controller(ros))
-        return driver(ros, topic='found')
+        programs[:] = controller(ros), slow_driver()
+        return programs[-1]
 
-    def second_comes_back(node, process, rows):
-        wait_for(lambda: len(rows) > 20, lambda: node.output)
-        second[-1].send_signal(signal.SIGKILL)
-        second[-1].wait()
-        second.append(controller(ros))
+    def kill_all(node, process, rows):
+        wait_for(lambda: len(rows) > 10, lambda: node.output)
+        os.kill(drawing(node), signal.SIGKILL)
+        for count, start_again in ((20, slow_driver), (25, lambda: controller(ros))):
+            wait_for(lambda count=count: len(rows) > count, lambda: node.output)
+            killed = programs[count == 20]
+            killed.send_signal(signal.SIGKILL)
+            killed.wait()
+            programs.append(start_again())
 
-    assert path(ros, fast, start=chain, disturb=second_comes_back) == first
-    second[-1].close()
+    first = path(ros, fast)
+    assert path(ros, '_real_time_factor:=1', start=chain, disturb=kill_all) == first
+    for process in programs[2:]:
+        process.close()
     program = compiled(tmp_path)
     if program is None:
         pytest.skip('no compiler or headers for a node in C++')
@@ -52,30 +48,22 @@ def test_the_paths_of_two_robots_do_not_depend_on_who_answers_first(ros):
     assert first[0] != first[1] and paths_of_two(ros, '0.02', '0') == first
 
 
-def test_what_does_not_answer_is_named_once(simulate, ros):
-    node = simulate(*CAMERA, '_lockstep:=cmd_vel /other', '_lockstep_timeout:=0.5',
-                    '_real_time_factor:=0')
-    process, clock = driver(ros), Echo(ros, '/clock')
+def test_what_does_not_answer_or_answers_twice_is_named_once(simulate, ros):
+    node = simulate(*CAMERA, '_lockstep:=cmd_vel /other', '_lockstep_timeout:=0.5')
+    process, clock = driver(ros, count=2), Echo(ros, '/clock')
     node.wait_output('lockstep: simulated time stands at 0.000 s and waits for: a publisher of '
                      '/other')
     assert {row[0] for row in clock.rows} <= {0}
     other = ros.start('rostopic', 'pub', '/other', 'std_msgs/Header', '{}')
     node.wait_output(r'no answer in 0.5 s to what was measured at 0.033 s: the last message on '
                      r'/other, of /rostopic\S*, has the stamp 0.000 s')
-    clock.wait(lambda time: time > 3e9, 'time that goes on')
-    assert len(re.findall('no answer', node.output)) == 1
-    other.close()
-    process.close()
-
-
-def test_a_node_that_answers_twice_and_a_second_one_are_named(simulate, ros):
-    node = simulate(*CAMERA, '_lockstep:=cmd_vel', '_real_time_factor:=0')
-    processes = [driver(ros, count=2)]
     node.wait_output('lockstep: /driver publishes more than one message on /cmd_vel')
-    processes.append(driver(ros, 'second'))
+    clock.wait(lambda time: time > 1e9, 'time that goes on')
+    second = driver(ros, 'second')
     node.wait_output('lockstep: /driver, /second publish on /cmd_vel')
-    for process in processes:
-        process.close()
+    assert len(re.findall('no answer', node.output)) == 1
+    for each in (other, process, second):
+        each.close()
 
 
 def test_the_simulator_ends_if_it_is_told_to(simulate, ros):
@@ -95,7 +83,7 @@ def test_a_robot_without_the_sensor_is_refused(simulate):
     assert 'start with camera:=robot, or set lockstep_sensors to some of scan, odom' in line
 
 
-def test_who_finds_the_service_step_finds_the_sensors(simulate, ros):
+def test_time_by_hand(simulate, ros):
     master, states = ros.master(), []
 
     def is_found():
@@ -104,13 +92,10 @@ def test_who_finds_the_service_step_finds_the_sensors(simulate, ros):
             if '/gazebo/step' in dict(states[-1][2]):
                 return True
 
-    simulate('_paused:=true')
-    wait_for(is_found, 'the service ~step')
-    assert {'/odom', '/scan'} <= set(dict(states[-1][0]))
-
-
-def test_time_by_hand(simulate, ros):
     node = simulate('_paused:=true')
+    wait_for(is_found, 'the service ~step')
+    # who finds the service finds the sensors
+    assert {'/odom', '/scan'} <= set(dict(states[-1][0]))
     node.wait_output('is at the start')
     clock, scan = Echo(ros, '/clock'), Echo(ros, '/scan/header/stamp')
     wait_for(lambda: clock.is_connected.is_set() and scan.is_connected.is_set(), 'connections')
@@ -143,5 +128,8 @@ def test_images_come_from_the_start(simulate, ros):
     images = Echo(ros, '/image_raw/header/stamp')
     node.wait_output('is at the start')
     wait_for(images.is_connected.is_set, 'a connection')
-    ros.run('rosservice', 'call', '/gazebo/unpause_physics')
+    services = ServiceCalls(ros)
+    services.call('/gazebo/unpause_physics', {})
     assert images.wait_more(1)[0] == [33e6]
+    services.call('/gazebo/pause_physics', {})      # as fast as possible is not needed any more
+    services.close()
