@@ -5,8 +5,10 @@ import signal
 import sys
 
 import pytest
+from roslaunch.config import load_config_default
 
 from img_recog_helpers import wire
+from img_recog_helpers.pages import ROOT
 from img_recog_helpers.service_calls import ServiceCalls
 from img_recog_helpers.simulator_tools import Messages, burger
 from img_recog_helpers.waiting import wait_for
@@ -113,9 +115,17 @@ def test_robots_are_added_removed_and_changed_while_it_runs(shared_ros, several)
     assert node.interrupt() == 0
 
 
-def test_a_number_that_cannot_be_ends_it_with_one_line(shared_ros):
-    assert 'robots: got 0, allowed is a number from 1 to 100, or the path of a YAML file' \
-        in shared_ros.start_node('robots.py', '_robots:=0').fatal_line()
+def test_a_list_that_cannot_be_read_ends_it_with_one_line(shared_ros):
+    # that the demo ends with it is in the next test, and without respawn in the last one
+    assert 'robots: cannot read /no/robots.yaml: ' in shared_ros.start_node(
+        'robots.py', '_robots:=/no/robots.yaml').fatal_line()
+
+
+def test_the_demo_ends_with_the_node():
+    path = os.path.join(ROOT, 'launch', 'demo.launch')
+    config = load_config_default([(path, ['robots:=1'])], None, assign_machines=False)
+    node, = (each for each in config.nodes if each.name == 'robots')
+    assert node.launch_prefix.endswith('/respawn.py --required') and node.respawn
 
 
 # fails until the test says otherwise, and counts
@@ -147,13 +157,6 @@ def test_a_simulator_that_fails_is_asked_again_in_peace(shared_ros):
     shared_ros.set_parameters('/works')
 
 
-def test_a_list_that_cannot_be_read_ends_the_demo(ros):
-    demo = ros.demo('robots:=/no/robots.yaml')
-    assert demo.wait() == 0
-    lines = re.findall(r'\[FATAL\].*cannot read /no/robots.yaml', demo.output)
-    assert len(lines) == 1, demo.output
-
-
 LIST = '''\
 - {name: a, x_pos: 1.0}
 - {name: a}
@@ -165,7 +168,9 @@ LIST = '''\
 def test_the_nodes_of_each_robot_start_and_end_with_it(ros, tmp_path):
     path = tmp_path / 'robots.yaml'
     path.write_text(LIST)
-    demo = ros.demo('robots:={}'.format(path), 'camera:=none', 'world:=empty')
+    # nothing moves: time may pass slowly
+    demo = ros.demo('robots:={}'.format(path), 'camera:=none', 'world:=empty',
+                    'real_time_factor:=0.2')
     demo.wait_output(r'process\[a/color_extract-\d\]: started')
     demo.wait_output('1 robots are running, 3 not started')
     for line in ('not started: robot 2 of the list: the name a is used',
@@ -177,10 +182,11 @@ def test_the_nodes_of_each_robot_start_and_end_with_it(ros, tmp_path):
     wait_for(lambda: running(ros, 'a') == ['/a/' + name for name in nodes],
              lambda: running(ros, 'a'))
     assert simulated(ros) == ['a']
-    path.write_text('- {name: d}\n- {name: a, x_pos: 1.0}\n')
+    path.write_text('- {name: d, recognition: false}\n- {name: a, x_pos: 1.0}\n')
     assert services.call('/robots/reload', {}) == {'success': True, 'message': ''}
-    wait_for(lambda: len(running(ros, 'd')) == 3, lambda: running(ros, 'd'))
-    path.write_text('- {name: d}\n- 3\n')
+    wait_for(lambda: running(ros, 'd') == ['/d/' + name for name in nodes[1:]],
+             lambda: running(ros, 'd'))
+    path.write_text('- {name: d, recognition: false}\n- 3\n')
     answer = services.call('/robots/reload', {})
     assert answer == {'success': False, 'message':
                       'robot 2 of the list: got 3, expected a mapping with a name, like - name: '
@@ -189,27 +195,20 @@ def test_the_nodes_of_each_robot_start_and_end_with_it(ros, tmp_path):
              lambda: (running(ros, 'a'), simulated(ros)))
     path.write_text('nothing: useful\n')
     assert 'got dict' in services.call('/robots/reload', {})['message']
-    assert len(running(ros, 'd')) == 3
+    assert len(running(ros, 'd')) == 2
     services.close()
     assert demo.interrupt() == 0
     assert 'escalating' not in demo.output
 
 
-def test_the_nodes_of_real_robots_stop_them_when_the_camera_is_lost(ros):
-    demo = ros.demo('robots:=1', 'simulator:=false', 'safe:=true', 'camera:=none', 'teleop:=false')
+def test_the_nodes_of_real_robots_stop_them_and_end_when_the_node_that_runs_them_is_killed(ros):
+    demo = ros.demo('robots:=1', 'simulator:=false', 'safe:=true', 'camera:=none',
+                    'respawn:=false')
     demo.wait_output('1 robots are running')
-    wait_for(lambda: running(ros, 'tb3_0') == ['/tb3_0/color_extract'],
-             lambda: running(ros, 'tb3_0'))
-    assert ros.master().getParam(
-        '/test', '/tb3_0/color_extract/stop_when_lost')[2] == 0.5
-    assert demo.interrupt() == 0
-
-
-def test_nodes_end_when_the_node_that_runs_them_is_killed(ros):
-    demo = ros.demo('robots:=1', 'camera:=none', 'world:=empty', 'respawn:=false',
-                    'recognition:=false')
-    demo.wait_output(r'process\[tb3_0/turtlebot3_teleop_keyboard-\d\]: started')
-    wait_for(lambda: len(running(ros, 'tb3_0')) == 2, lambda: running(ros, 'tb3_0'))
+    nodes = ['/tb3_0/color_extract', '/tb3_0/turtlebot3_teleop_keyboard']
+    wait_for(lambda: running(ros, 'tb3_0') == nodes, lambda: running(ros, 'tb3_0'))
+    # when the camera is lost
+    assert ros.parameter('/tb3_0/color_extract/stop_when_lost') == 0.5
     pid = int(re.search(r'process\[robots-\d+\]: started with pid \[(\d+)\]',
                         demo.output).group(1))
     os.kill(pid, signal.SIGKILL)
