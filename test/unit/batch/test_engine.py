@@ -3,19 +3,16 @@ import argparse
 import contextlib
 import os
 import pickle
-import signal
 import socket
 from typing import Any, NamedTuple
 
 import dask
-import psutil
 import pytest
 from distributed import Client
 
 from img_recog.batch import work_folder
 from img_recog.batch.engine import Engine
 from img_recog.batch.work import Piece
-from img_recog.processes import signals
 from img_recog.processes.signals import Interrupts
 from img_recog_helpers import batch_work
 from img_recog_helpers.refusals import refusal
@@ -116,16 +113,11 @@ def test_without_resume_all_is_done_again(run, tmp_path):
     assert (tmp_path / '0').read_text() == 'xx'
 
 
-@pytest.fixture(scope='module')
-def processes(tmp_path_factory):
-    """An Engine with two processes for all tests, and where these listen."""
-    handlers = {signum: signal.getsignal(signum) for signum in signals.ENDING}
-    before = listening()
-    with started(tmp_path_factory.mktemp('processes'), jobs=2) as engine:
-        engine.run(batch_work.square, numbers())
-        yield engine, listening() - before
-    for signum, handler in handlers.items():
-        signal.signal(signum, handler)
+@pytest.fixture
+def processes(two_processes, tmp_path):
+    """An Engine with two processes, which stay for all tests, and where these listen."""
+    with started(tmp_path, jobs=2) as engine:
+        yield engine, two_processes[1]
 
 
 def test_the_processes_stay_for_more_pieces(processes):
@@ -250,13 +242,6 @@ def test_no_run_uses_a_folder_of_others(run, tmp_path):
     (tmp_path / 'x.work').mkdir()
     (tmp_path / 'x.work').chmod(0o777)
     assert 'others can write it' in refusal(run, batch_work.square, numbers())
-
-
-def listening():
-    """Return the addresses and ports at which this process and its children listen."""
-    me = psutil.Process()
-    return {tuple(each.laddr) for process in (me, *me.children(recursive=True))
-            for each in process.connections('tcp') if each.status == psutil.CONN_LISTEN}
 
 
 def answers(address, port):
