@@ -14,28 +14,35 @@ pytestmark = pytest.mark.usefixtures('shared_ros')       # one master
 
 
 def test_the_path_does_not_depend_on_speed_language_buffers_and_killed_programs(ros, tmp_path):
-    fast, programs = '_real_time_factor:=0', []
+    fast, started = '_real_time_factor:=0', []
 
-    def slow_driver():
-        return driver(ros, delay='0.1 * numpy.random.random()', buffer_bits=16, topic='found')
+    def start_driver(ros):
+        started.append(driver(ros, delay='0.1 * numpy.random.random()', buffer_bits=16,
+                              topic='found'))
+        return started[-1]
+
+    def start_controller(ros):
+        started.append(controller(ros))
+        return started[-1]
 
     def chain(ros):
-        programs[:] = controller(ros), slow_driver()
-        return programs[-1]
+        start_controller(ros)
+        return start_driver(ros)
 
-    def kill_all(node, process, rows):
+    def kill_each(node, process, rows):
         wait_for(lambda: len(rows) > 10, lambda: node.output)
         os.kill(drawing(node), signal.SIGKILL)
-        for count, start_again in ((20, slow_driver), (25, lambda: controller(ros))):
+        first_controller, first_driver = started
+        for killed, start_again, count in ((first_driver, start_driver, 20),
+                                           (first_controller, start_controller, 25)):
             wait_for(lambda count=count: len(rows) > count, lambda: node.output)
-            killed = programs[count == 20]
             killed.send_signal(signal.SIGKILL)
             killed.wait()
-            programs.append(start_again())
+            start_again(ros)
 
     first = path(ros, fast)
-    assert path(ros, '_real_time_factor:=1', start=chain, disturb=kill_all) == first
-    for process in programs[2:]:
+    assert path(ros, '_real_time_factor:=1', start=chain, disturb=kill_each) == first
+    for process in started[2:]:
         process.close()
     program = compiled(tmp_path)
     if program is None:
