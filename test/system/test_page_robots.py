@@ -10,7 +10,7 @@ from img_recog_helpers.simulator_tools import Echo
 from img_recog_helpers.waiting import wait_for
 
 LIST = '''
-- {name: tb3_0, x_pos: 0.0, y_pos: 0.0, camera: card.png, teleop: false}
+- {name: tb3_0, x_pos: 0.0, y_pos: 0.0, camera: card.png, teleop: false, recognition: false}
 - {name: tb3_1, x_pos: 0.0, y_pos: 1.0, camera: none, recognition: false}
 '''
 
@@ -20,7 +20,8 @@ def ros(tmp_path):
     """A demo of two robots; the camera of the first one shows a grey wall."""
     assert cv2.imwrite(str(tmp_path / 'card.png'), np.full((120, 160, 3), 150, np.uint8))
     (tmp_path / 'robots.yaml').write_text(LIST)
-    with demo_with_page(tmp_path, 'robots:={}/robots.yaml'.format(tmp_path)) as ros:
+    with demo_with_page(tmp_path, 'robots:={}/robots.yaml'.format(tmp_path),
+                        'framerate:=5') as ros:
         yield ros
 
 
