@@ -69,33 +69,32 @@ def test_two_processes_write_the_bytes_of_one(sweep, tmp_path):
 WORLD = sdf.sdf(
     '<model name="blue_post"><static>1</static><pose>1 0 0.15 0 0 0</pose><link name="l">'
     + sdf.BOX.format('visual', '', '0.1 0.1 0.3') + '</link></model>'
-    '<include><uri>model://wall</uri></include>')
+    '<include><uri>model://{}</uri></include>')
 
 
-def write_wall(tmp_path, x):
+def write_wall(tmp_path, name, x):
     """Write a model with the mesh of a wall across the way to the post."""
-    folder = tmp_path / 'models' / 'wall'
+    folder = tmp_path / 'models' / name
     folder.mkdir(parents=True, exist_ok=True)
     (folder / 'model.sdf').write_text(
-        '<sdf version="1.6"><model name="wall"><static>1</static><link name="l"><collision '
-        'name="c"><geometry><mesh><uri>model://wall/wall.obj</uri></mesh></geometry></collision>'
-        '</link></model></sdf>')
+        '<sdf version="1.6"><model name="{0}"><static>1</static><link name="l"><collision '
+        'name="c"><geometry><mesh><uri>model://{0}/wall.obj</uri></mesh></geometry></collision>'
+        '</link></model></sdf>'.format(name))
     (folder / 'wall.obj').write_text('v {0} -2 0\nv {0} 2 0\nv {0} 0 2\nf 1 2 3\n'.format(x))
 
 
 def test_resume_repeats_what_has_read_other_files_and_nothing_else(sweep, tmp_path):
-    (tmp_path / 'w.world').write_text(WORLD)
-    write_wall(tmp_path, 3)
-    changes = {'world': '[w.world, color_posts]', 'x_pos': '0', 'runs': '1', 'distance': 0.05}
+    for world, wall in (('w', 'wall'), ('other', 'fence')):
+        (tmp_path / (world + '.world')).write_text(WORLD.replace('{}', wall))
+        write_wall(tmp_path, wall, 3)
+    changes = {'world': '[w.world, other.world]', 'x_pos': '0', 'runs': '1', 'distance': 0.05}
     # the report cannot be written, so all results are kept
     (tmp_path / 's.sweep.md').mkdir()
     arguments = '--films', '0', '--jobs', '1'
     assert sweep(*arguments, **changes)[0] == 1
     kept = {path: path.stat().st_mtime_ns for path in tmp_path.glob('s.sweep.work/*/*')}
     assert len(kept) == 4
-    assert sweep(*arguments, '--resume', **changes)[0] == 1
-    assert kept == {path: path.stat().st_mtime_ns for path in kept}
-    write_wall(tmp_path, 0.02)
+    write_wall(tmp_path, 'wall', 0.02)
     assert sweep(*arguments, '--resume', **changes)[0] == 1
     again = {path: path.stat().st_mtime_ns for path in tmp_path.glob('s.sweep.work/*/*')}
     assert kept.items() <= again.items() and len(again) == 6
@@ -105,7 +104,7 @@ def test_resume_repeats_what_has_read_other_files_and_nothing_else(sweep, tmp_pa
     with open(str(tmp_path / 's.sweep.csv')) as file:
         touched = {row['key']: row['touched'] for row in csv.DictReader(file)}
     assert touched == {'world={},light={}#1'.format(world, light): 'wall' * (world == 'w')
-                       for world in ('w', 'color_posts') for light in ('daylight', 'dark')}
+                       for world in ('w', 'other') for light in ('daylight', 'dark')}
 
 
 def test_a_run_without_a_result_is_named_and_the_exit_code_says_so(sweep, tmp_path):
