@@ -102,19 +102,19 @@ def ended(process):
 
 @pytest.fixture
 def film(tmp_path):
-    """A film of 2000 frames, four parts: a card, and only the wall in the second half."""
+    """A film of 1000 frames, two parts: a card, and only the wall in the second half."""
     with av.open(str(tmp_path / 's.avi'), 'w') as film:
         stream = film.add_stream('mjpeg', 10)
         stream.width, stream.height, stream.pix_fmt = 96, 64, 'yuvj420p'
-        for number in range(2000):
+        for number in range(1000):
             image = np.full((64, 96, 3), 120 + number % 7, np.uint8)
-            if number < 1000:
+            if number < 500:
                 image[10:30, 10:30] = 30, 20, 200
             film.mux(stream.encode(av.VideoFrame.from_ndarray(image, 'bgr24')))
         film.mux(stream.encode(None))
     (tmp_path / 'samples.yaml').write_text(
         'samples:\n- {color: red, rectangle: [10, 10, 20, 20]}\n'
-        '- {color: red, not_in_view: [100, 200]}\n')
+        '- {color: red, not_in_view: [50, 100]}\n')
 
 
 @pytest.mark.parametrize('program, options, results', [

@@ -1,6 +1,6 @@
 """A sensor is added by three edits: made in a copy of the tree, for a sonar that is not in it."""
+import math
 import os
-import re
 import shutil
 import subprocess
 import sys
@@ -8,7 +8,7 @@ import sys
 import pytest
 
 from img_recog_helpers.pages import ROOT
-from img_recog_helpers.simulator_tools import burger, complaints
+from img_recog_helpers.simulator_tools import Messages, burger, complaints
 
 PARTS = ('src', 'doc', 'launch', 'scripts', 'test', 'tools', 'CONTRIBUTING.md', 'README.md',
          'README.ja.md', 'run')
@@ -108,23 +108,22 @@ def env_of(ros, tree):
     return dict(ros.env, PYTHONPATH=os.pathsep.join(paths))
 
 
-@pytest.mark.parametrize('addition, topic, frame', [
-    ('', '/sonar', 'base_scan'), (TAG, '/ear', 'imu_link')], ids=['default', 'tags'])
-def test_its_topic_is_published(roscore, tree, addition, topic, frame):
-    roscore.set_parameters('/gazebo')
-    roscore.set_parameters('/robot_description', burger(addition))
-    node = roscore.start(sys.executable, str(tree / 'scripts' / 'pybullet_sim.py'),
-                         '__name:=gazebo', '_x_pos:=-2.0', '_y_pos:=0.0',
-                         env=env_of(roscore, tree))
-    try:
-        node.wait_output('simulating')
-        messages = roscore.run('rostopic', 'echo', '-n', '3', topic)
-        ranges = [float(each) for each in re.findall(r'(?m)^range: (.*)$', messages)]
-        # a post of radius 0.15 m at x -1.1; both links are 0.032 m behind the robot's root
-        assert ranges == pytest.approx([2.0 + 0.032 - 1.1 - 0.15] * 3, abs=0.01)
-        assert messages.count('frame_id: "{}"'.format(frame)) == 3
-    finally:
-        assert node.interrupt() == 0, node.output
+def test_its_topic_is_published_by_default_and_by_tags(ros, tree):
+    ros.start_master()
+    ros.set_parameters('/gazebo/robots', {'a': {'x_pos': -2.0, 'y_pos': 0.0},
+                                          'b': {'x_pos': 2.0, 'y_pos': 0.0, 'yaw': math.pi}})
+    ros.set_parameters('/robot_description', burger())
+    ros.set_parameters('/b/robot_description', burger(TAG))
+    node = ros.start(sys.executable, str(tree / 'scripts' / 'pybullet_sim.py'),
+                     '__name:=gazebo', '_several_robots:=true', env=env_of(ros, tree))
+    node.wait_output('simulating 2 robots')
+    for topic, frame in (('/a/sonar', 'a/base_scan'), ('/b/ear', 'b/imu_link')):
+        seen = Messages(ros, topic).wait_more(3)
+        # posts of radius 0.15 m at x -1.1 and 1.1; both links are 0.032 m behind the robot's root
+        assert [msg.range for msg in seen[:3]] == pytest.approx(
+            [2.0 + 0.032 - 1.1 - 0.15] * 3, abs=0.01)
+        assert {msg.header.frame_id for msg in seen} == {frame}
+    assert node.interrupt() == 0, node.output
     assert 'Traceback' not in node.output
     assert complaints(node) == []
 
