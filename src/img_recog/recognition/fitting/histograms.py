@@ -12,6 +12,7 @@ HUES, LEVELS = 180, 256
 SHAPE = HUES, LEVELS, LEVELS
 # pixels that are counted at a time, which a 32 bit float of OpenCV's histogram counts one by one
 _BATCH_PX = 1 << 24
+_FEW_PX = 200000        # up to so many, to sort them takes less than half of the time of calcHist
 _RANGES = [0, HUES, 0, LEVELS, 0, LEVELS]
 UNIT = 256          # in which pixels are weighted
 
@@ -100,8 +101,15 @@ class Counter:
         pixels = self._waiting[label][:self._waiting_px[label], np.newaxis]
         self._waiting_px[label] = 0
         # calcHist takes long to clear and convert its 12 million bins, so it gets many pixels
-        found = sparse(cv2.calcHist([pixels], [0, 1, 2], None, SHAPE, _RANGES))
+        found = (_sorted(pixels[:, 0]) if len(pixels) <= _FEW_PX else
+                 sparse(cv2.calcHist([pixels], [0, 1, 2], None, SHAPE, _RANGES)))
         _add_to(self._totals, label, found)
+
+
+def _sorted(pixels: np.ndarray) -> Sparse:
+    """Return the histogram of pixels of shape (n, 3)."""
+    indices, counts = np.unique(np.ravel_multi_index(tuple(pixels.T), SHAPE), return_counts=True)
+    return Sparse(indices.astype(np.uint32), counts)
 
 
 def _add_to(sums: Dict[Any, Sparse], key: Any, histogram: Sparse) -> None:

@@ -77,8 +77,10 @@ class SummedVolume:
         table = np.zeros((2 * hues + 1, saturations + 1, values + 1), kind)
         once = table[1:hues + 1, 1:, 1:]
         once[tuple(each[levels] for each, levels in zip(below, places))] = histogram.counts
-        for axis in range(3):
-            np.cumsum(once, axis=axis, out=once)
+        np.cumsum(once, axis=2, out=once)
+        for sums in (once, once.swapaxes(0, 1)):    # np.cumsum takes three times as long
+            for before, each in zip(sums, sums[1:]):
+                each += before
         np.add(once, table[hues, 1:, 1:], out=table[hues + 1:, 1:, 1:])
         self._table = table.reshape(-1)
         below[0] = np.concatenate([below[0], below[0][1:] + hues])

@@ -34,9 +34,10 @@ def counted(*frames):
     return counter.result()
 
 
-@pytest.mark.parametrize('batch_px', [7, 600, 1 << 24])
-def test_counts_are_exact_whatever_is_counted_at_a_time(monkeypatch, batch_px):
+@pytest.mark.parametrize('batch_px, few_px', [(7, 5), (600, 0), (1 << 24, 60)])
+def test_counts_are_exact_whatever_is_counted_at_a_time(monkeypatch, batch_px, few_px):
     monkeypatch.setattr(histograms, '_BATCH_PX', batch_px)
+    monkeypatch.setattr(histograms, '_FEW_PX', few_px)
     found = counted([(RED, pixels(0, 30)), (NONE, pixels(1, 40))], [(NONE, pixels(2, 20))])
     assert (dense(found.pixels[RED]) == plain(pixels(0, 30))).all()
     assert (dense(found.pixels[NONE]) == plain(pixels(1, 40), pixels(2, 20))).all()
