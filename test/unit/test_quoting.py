@@ -8,19 +8,21 @@ import pytest
 from img_recog_helpers.pages import ROOT
 
 # after a colon or in quotes or brackets: a program, its words, and a place for a value
-_COMMAND = re.compile(r'(?<!usage)[:"(] ?(sudo |\./run|rosrun|roslaunch|rosbag|rosnode|ffmpeg|'
-                      r'xacro|python3 )[^;:"]*\{[0-9]?\}')
+_PROGRAM = r'(sudo |\./run|rosrun|roslaunch|rosbag|rosnode|ffmpeg|xacro|python3 )'
+_COMMAND = re.compile(r'(?<!usage)[:"(] ?' + _PROGRAM + r'[^;:"]*\{[0-9]?\}')
 _CONSTANT = re.compile(r'[A-Z_]+\b')
 
 
 def unquoted(source):
     """Yield the lines in which a value is put into a command without shlex.quote."""
+    if not re.search(_PROGRAM, source):
+        return
     for node in ast.walk(ast.parse(source)):
         if isinstance(node, ast.BinOp) and isinstance(node.left, ast.Constant):
-            added = ast.get_source_segment(source, node.right)
-            if (isinstance(node.left.value, str) and _COMMAND.search(node.left.value + '{}')
-                    and not added.startswith('shlex.quote(') and not _CONSTANT.match(added)):
-                yield node.lineno
+            if isinstance(node.left.value, str) and _COMMAND.search(node.left.value + '{}'):
+                added = ast.get_source_segment(source, node.right)
+                if not added.startswith('shlex.quote(') and not _CONSTANT.match(added):
+                    yield node.lineno
         if not isinstance(node, ast.Call):
             continue
         function, words = node.func, node.args

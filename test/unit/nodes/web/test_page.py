@@ -55,6 +55,6 @@ def test_a_tab_is_a_row_of_the_table(client):
 
 def test_only_the_newest_pages_wait_for_their_browser(client):
     before = set(Client.instances)      # of other tests of this process
-    for _ in range(30):
+    for _ in range(22):
         assert client.get('/').status_code == 200
     assert len(set(Client.instances) - before) == 20
