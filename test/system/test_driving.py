@@ -100,9 +100,9 @@ class Driver:
 def test_a_minute_by_its_scan_without_a_collision():
     with driven(Driver().command, world='turtlebot3_world') as sim:
         places = np.array([(pose.x + CENTER_X * math.cos(pose.yaw),
-                            pose.y + CENTER_X * math.sin(pose.yaw)) for pose in path(sim, 70.0)])
+                            pose.y + CENTER_X * math.sin(pose.yaw)) for pose in path(sim, 60.0)])
     assert min(map(turtlebot3_world.clearance, places)) > RADIUS
-    assert np.linalg.norm(np.diff(places, axis=0), axis=1).sum() > 10.0
+    assert np.linalg.norm(np.diff(places, axis=0), axis=1).sum() > 9.0
     # it does not only drive in a small circle
     assert np.ptp(places, axis=0).min() > 1.0
 
@@ -191,7 +191,7 @@ def check_the_topics_of_the_camera(seen):
 
 
 def test_the_articles_colors_drive_away_from_red_until_it_is_small():
-    seen = Seen(lambda sim: sim.step(4.0), yaw=3.14159)
+    seen = Seen(lambda sim: sim.step(2.5), yaw=3.14159)
     end_s = next(stamp_s for stamp_s, area in seen.areas('red') if area <= 1000)
     areas = [area for stamp_s, area in seen.areas('red') if stamp_s < end_s]
     assert len(areas) > 5 and 4000 < areas[0] < 7000
@@ -208,7 +208,7 @@ def test_the_articles_colors_drive_away_from_red_until_it_is_small():
 
 def test_the_colors_of_follow_yaml_stop_before_a_post():
     # the shares in it hold at every size
-    seen = Seen(rests, image_width=320, image_height=240,
+    seen = Seen(rests, image_width=320, image_height=240, x_pos=-0.8,
                 colors=os.path.join(ROOT, 'config', 'follow.yaml'))
     robot, post = seen.poses()[-1], (0.5, -0.15)
     assert 0.4 < math.dist((robot.x, robot.y), post) - 0.06 < 0.6
