@@ -24,7 +24,7 @@ NAMESPACED = '''<launch><include file="$(find img_recog)/launch/demo.launch" ns=
 
 
 def test_log_and_names_are_as_expected_and_ctrl_c_ends_everything(ros, tmp_path):
-    demo = ros.demo()
+    demo = ros.demo('world:=empty')
     demo.wait_output(r'camera: synthetic scene, 320x240, 30 Hz')
     demo.wait_output(r'(?s)blue=[1-9]\d{3}, red=0\n.*drives forward.*blue=0, red=0\n.*stands.*'
                      r'blue=0, red=[1-9]\d{3}\n.*drives backward.*blue=0, red=0\n.*stands')
