@@ -40,8 +40,8 @@ def say(text, *values):
 
 def lint():
     """Print a line for each linter, and its output if it reports anything; return the code."""
-    commands = {'flake8': [sys.executable, '-m', 'flake8', '.'],
-                'mypy': [sys.executable, '-m', 'mypy'],
+    commands = {'flake8': [*_uncollected('flake8'), '.'],
+                'mypy': _uncollected('mypy'),
                 'catkin_lint': ['catkin_lint', '-q', '-W2', '--strict', '--ignore',
                                 'package_path_name', ROOT],
                 'shellcheck': ['shellcheck', *_shell_scripts()]}
@@ -61,6 +61,14 @@ def lint():
         else:
             say('{}: clean', name)
     return verdict
+
+
+def _uncollected(linter):
+    """Return the command of a linter without garbage collection: that takes a third of the time,
+    and finds little.
+    """
+    return [sys.executable, '-c', 'import gc, runpy; gc.disable(); '
+            'runpy.run_module("{}", run_name="__main__", alter_sys=True)'.format(linter)]
 
 
 def _output(command):
