@@ -93,9 +93,9 @@ def _wall(corners: np.ndarray, height: float) -> _Mesh:
     there = np.roll(here, -1)
     # corners of their own, so that the edges are sharp
     along = np.cumsum(np.linalg.norm(corners - np.roll(corners, 1, axis=0), axis=1))
-    return (_at_heights(corners, height),
-            np.concatenate([np.column_stack([here, there, there + count]),
-                            np.column_stack([here, there + count, here + count])]),
+    lower = np.column_stack([here, there, there + count])
+    upper = np.column_stack([here, there + count, here + count])
+    return (_at_heights(corners, height), np.concatenate([lower, upper]),
             _at_heights(along, height))
 
 
@@ -108,8 +108,10 @@ def _caps(corners: np.ndarray, height: float) -> _Mesh:
 
 def _at_heights(values: np.ndarray, height: float) -> np.ndarray:
     """Return values (n, ...) with a height of 0 beside each, and then with the other one."""
-    return np.concatenate([np.column_stack([values, np.full(len(values), z)])
-                           for z in (0.0, height)])
+    zeros = np.zeros(len(values))
+    lower = np.column_stack([values, zeros])
+    upper = np.column_stack([values, zeros + height])
+    return np.concatenate([lower, upper])
 
 
 def _bridged(corners: np.ndarray, holes: Sequence[np.ndarray]) -> np.ndarray:

@@ -48,6 +48,7 @@ def _strip(points: np.ndarray, width: float) -> str:
     across /= np.maximum(np.linalg.norm(across, axis=1), 1e-9)[:, None]
     vertices = np.stack([points - across * width / 2, points + across * width / 2], axis=1)
     along = np.concatenate([[0.0], np.cumsum(lengths)]) / (width or 1.0)
-    uvs = np.stack([np.column_stack([np.full(len(points), u), along]) for u in (0.0, 1.0)], axis=1)
+    left, right = np.zeros(len(points)), np.ones(len(points))
+    uvs = np.stack([np.column_stack([left, along]), np.column_stack([right, along])], axis=1)
     return generated_meshes.write(vertices.reshape(-1, 3),
                                   generated_meshes.grid_faces(len(points), 2), uvs.reshape(-1, 2))

@@ -88,7 +88,8 @@ def _cylinder(radius: float, length: float) -> Triangles:
     low = np.column_stack([circle, np.full(len(circle), -z)])
     high = np.column_stack([circle, np.full(len(circle), z)])
     grid = np.stack([low, high])
-    outward = np.stack([np.column_stack([directions, np.zeros(len(circle))])] * 2)
+    across = np.column_stack([directions, np.zeros(len(circle))])
+    outward = np.stack([across, across])
     side = _grid(grid, outward)
     side = side._replace(uvs=1 - side.uvs)
     around = np.linspace(1, 0, len(circle))
@@ -109,9 +110,11 @@ def _sphere(radius: float) -> Triangles:
     """Return a sphere whose poles are on the y axis, like those of Gazebo."""
     polar = np.linspace(-np.pi / 2, np.pi / 2, _SECTIONS // 2 + 1)
     circle = _circle()
-    directions = np.stack([np.column_stack([circle * np.cos(angle),
-                                            np.full(len(circle), np.sin(angle))])
-                           for angle in polar])[:, :, [1, 2, 0]]
+    rings = []
+    for angle in polar:
+        along = np.full(len(circle), np.sin(angle))
+        rings.append(np.column_stack([circle * np.cos(angle), along]))
+    directions = np.stack(rings)[:, :, [1, 2, 0]]
     return _grid(directions * radius, directions)
 
 

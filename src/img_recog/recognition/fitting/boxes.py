@@ -77,12 +77,13 @@ class Objective:
     def _moved_range(self, axis: int, ranges: np.ndarray, sign: int) -> np.ndarray:
         (low, end), size, margin = ranges, self.positive.shape[axis], sign * self._margin[axis]
         if axis:
-            return np.array([np.where(low <= 0, 0, np.maximum(low - margin, 0)),
-                             np.where(end >= size, size, np.minimum(end + margin, size))])
+            low = np.where(low <= 0, 0, np.maximum(low - margin, 0))
+            end = np.where(end >= size, size, np.minimum(end + margin, size))
+            return np.array([low, end])
         is_all = end - low >= size
         moved = np.where(is_all, low, (low - margin) % size)
-        return np.array([moved, moved + np.where(
-            is_all, size, np.clip(end - low + 2 * margin, 0, size))])
+        length = np.where(is_all, size, np.clip(end - low + 2 * margin, 0, size))
+        return np.array([moved, moved + length])
 
 
 class BoxSearch:
