@@ -140,33 +140,20 @@ class Hosts:
 class Network:
     """The parts of the demo, each on its host."""
 
-    def __init__(self, ros, folder, hosts_):
+    def __init__(self, ros, folder, hosts_, transport):
         self._ros, self.hosts, self._lines = ros, hosts_, 0
-        self._colors, film = folder / 'colors.yaml', folder / 'cards.avi'
+        film, colors = folder / 'cards.avi', folder / 'colors.yaml'
         write_film(str(film))
-        self._start('simulator')
-        self._start('camera', 'camera:={}'.format(film))
-        self._recognition = None
-        self.recognize('raw')
+        colors.write_text(COLORS + 'image_transport: {}\n'.format(transport))
+        more = {'simulator': [], 'camera': ['camera:={}'.format(film)],
+                'recognition': ['colors:={}'.format(colors)]}
+        for name, arguments in PARTS.items():
+            self._run(name, 'roslaunch', *(['-p', '11311'] if name == 'simulator' else []),
+                      'img_recog', 'demo.launch', 'use_sim_time:=true', *NO_WINDOWS, *arguments,
+                      *more[name]).wait_output(r'process\[{}-\d+\]: started'.format(
+                          LAST_NODES[name]))
         self._watch = self._run('simulator', sys.executable, watch_robot.__file__)
         self.wait_follows()
-
-    def recognize(self, transport, **impairment):
-        """Start the recognition, again with an impairment of its host."""
-        if self._recognition is not None:
-            assert self._recognition.interrupt() == 0
-        if impairment:
-            self.hosts.impair('recognition', **impairment)
-        self._colors.write_text(COLORS + 'image_transport: {}\n'.format(transport))
-        self._recognition = self._start('recognition', 'colors:={}'.format(self._colors))
-
-    def _start(self, name, *arguments):
-        """Start a part; return its Process when its last node is started."""
-        port = ['-p', '11311'] if name == 'simulator' else []
-        process = self._run(name, 'roslaunch', *port, 'img_recog', 'demo.launch',
-                            'use_sim_time:=true', *NO_WINDOWS, *PARTS[name], *arguments)
-        process.wait_output(r'process\[{}-\d+\]: started'.format(LAST_NODES[name]))
-        return process
 
     def _run(self, name, *command):
         env = dict(self._ros.env, ROS_IP=self.hosts.address(name), ROS_MASTER_URI=(
@@ -210,30 +197,37 @@ def write_film(path):
 
 @pytest.fixture
 def network(ros, tmp_path):
-    """The parts; the network is as it should be."""
+    """A function that starts the parts, with an impairment of the host of the recognition."""
     with contextlib.ExitStack() as stack:
         made = Hosts(*PARTS)
         stack.callback(made.close)
         stack.callback(ros.close)       # first
-        yield Network(ros, tmp_path, made)
+
+        def start(transport, **impairment):
+            if impairment:
+                made.impair('recognition', **impairment)
+            return Network(ros, tmp_path, made, transport)
+        yield start
 
 
-def test_cut_it_stops_the_robot_and_late_and_lossy_it_follows_with_the_newest_frame(network):
-    network.hosts.plug('recognition', False)
-    begin = len(network.states())
+def test_a_cut_cable_stops_the_robot_and_it_follows_again(network):
+    three = network('raw')
+    three.hosts.plug('recognition', False)
+    begin = len(three.states())
     # longer than the robot takes from a blue card to a red one
-    wait_for(lambda: len(network.states()) > begin + CUT_STATES and all(
-        abs(state['speed']) < STANDS for state in network.states()[-CUT_STATES:]),
-        lambda: 'the robot to stand: {}'.format(network.states()[-3:]))
-    network.hosts.plug('recognition', True)
-    network.wait_follows(network.now()['wall_s'])
+    wait_for(lambda: len(three.states()) > begin + CUT_STATES and all(
+        abs(state['speed']) < STANDS for state in three.states()[-CUT_STATES:]),
+        lambda: 'the robot to stand: {}'.format(three.states()[-3:]))
+    three.hosts.plug('recognition', True)
+    three.wait_follows(three.now()['wall_s'])
 
-    network.recognize('compressed', delay_s=0.05, loss=0.01)
-    begin = network.now()
-    network.wait_follows(begin['wall_s'])
-    wait_for(lambda: network.now()['frames'] > begin['frames'] + 60,
-             lambda: network.states()[-1])
-    ages = [state['age_s'] for state in network.states() if state['frames'] > begin['frames']]
+
+def test_late_and_lossy_it_follows_with_the_newest_frame(network):
+    three = network('compressed', delay_s=0.05, loss=0.01)
+    begin = three.now()
+    three.wait_follows(begin['wall_s'])
+    wait_for(lambda: three.now()['frames'] > begin['frames'] + 60, lambda: three.states()[-1])
+    ages = [state['age_s'] for state in three.states() if state['frames'] > begin['frames']]
     # one way of the image and one of the result
     assert np.median(ages) > 0.1, ages
     # frames do not wait in a queue, where all of the last ones would be old
