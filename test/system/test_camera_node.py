@@ -4,12 +4,12 @@ import re
 import signal
 import socket
 import subprocess
-import xmlrpc.client
 
 import cv2
 import numpy as np
 import pytest
 
+from img_recog_helpers import wire
 from img_recog_helpers.processes import Process
 from img_recog_helpers.service_calls import ServiceCalls
 from img_recog_helpers.waiting import DEADLINE_S, stretch, wait_for
@@ -113,9 +113,8 @@ def subscribers(roscore):
 
 def connected(roscore):
     """Return the nodes to which the camera is connected to send images."""
-    uri = roscore.master().lookupNode('/test', '/usb_cam')[2]
-    return {peer for _, peer, way, _, topic, *_ in
-            xmlrpc.client.ServerProxy(uri).getBusInfo('/test')[2]
+    uri = wire.node_uri(roscore.master_uri, '/usb_cam')
+    return {peer for _, peer, way, _, topic, *_ in wire.call(uri, 'getBusInfo')
             if way == 'o' and topic == '/usb_cam/image_raw'}
 
 

@@ -1,16 +1,10 @@
 """machines.launch: which part is on which machine, and all of them on this one."""
-import os
-
-from roslaunch.config import load_config_default
-
-from img_recog_helpers.pages import ROOT
-
-PATH = os.path.join(ROOT, 'launch', 'machines.launch')
+from img_recog_helpers.launch_config import launch_config
 
 
 def loaded(*arguments):
     """Return the nodes and the parameters that the launch file gives."""
-    config = load_config_default([(PATH, list(arguments))], None, assign_machines=True)
+    config = launch_config('machines.launch', *arguments)
     return config.nodes, {name: param.value for name, param in config.params.items()
                           if name in ('/use_sim_time', '/color_extract/stop_when_lost')}
 

@@ -5,10 +5,9 @@ import signal
 import sys
 
 import pytest
-from roslaunch.config import load_config_default
 
 from img_recog_helpers import wire
-from img_recog_helpers.pages import ROOT
+from img_recog_helpers.launch_config import launch_config
 from img_recog_helpers.service_calls import ServiceCalls
 from img_recog_helpers.simulator_tools import Messages, burger
 from img_recog_helpers.waiting import wait_for
@@ -122,9 +121,8 @@ def test_a_list_that_cannot_be_read_ends_it_with_one_line(shared_ros):
 
 
 def test_the_demo_ends_with_the_node():
-    path = os.path.join(ROOT, 'launch', 'demo.launch')
-    config = load_config_default([(path, ['robots:=1'])], None, assign_machines=False)
-    node, = (each for each in config.nodes if each.name == 'robots')
+    node, = (each for each in launch_config('demo.launch', 'robots:=1').nodes
+             if each.name == 'robots')
     assert node.launch_prefix.endswith('/respawn.py --required') and node.respawn
 
 

@@ -3,10 +3,9 @@ import os
 import subprocess
 
 import pytest
-from roslaunch.config import load_config_default
 from roslaunch.node_args import get_node_list
-from roslaunch.xmlloader import XmlLoader
 
+from img_recog_helpers.launch_config import launch_config
 from img_recog_helpers.pages import LAUNCH_FOLDER, ROOT, tool
 
 launch_files = tool('launch_files')
@@ -50,10 +49,9 @@ def test_the_demo_has_few_arguments_and_no_node():
           'turtlebot3_teleop_keyboard', 'image_view', 'image_view_blue', 'image_view_red'})])
 def test_nodes_of_the_demo_with_a_display(arguments, nodes, monkeypatch):
     monkeypatch.setenv('DISPLAY', ':9')
-    # as roslaunch --nodes does, which takes a second to start
-    config = load_config_default([(os.path.join(LAUNCH_FOLDER, 'demo.launch'), arguments)], None,
-                                 loader=XmlLoader(resolve_anon=False), assign_machines=False)
-    assert {name.strip('/') for name in get_node_list(config)} == nodes
+    # as roslaunch --nodes does
+    found = get_node_list(launch_config('demo.launch', *arguments))
+    assert {name.strip('/') for name in found} == nodes
 
 
 def test_cmake_lists_is_short():
