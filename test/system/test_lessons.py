@@ -6,6 +6,7 @@ others and in any order; all other blocks are files, and the last code span of t
 the path. "Ctrl-C in terminal 2" ends what runs there. A block that begins with ```bash needs
 PACKAGE ... is for readers who have these packages of ROS.
 """
+import contextlib
 import glob
 import os
 import pathlib
@@ -24,6 +25,7 @@ from img_recog_helpers.waiting import wait_for
 LESSONS = sorted(os.path.basename(path)
                  for path in glob.glob(os.path.join(ROOT, 'doc', 'lessons', '*.md')))
 LONGEST_S = 400.0       # of a command, on an idle machine
+ROSPY_END_S = 10.0      # until it has ended after Ctrl-C, or never does
 _BLOCK = re.compile(r'^```(\w+)(?: needs ([\w ]+))?\n(.*?)^```$', re.MULTILINE | re.DOTALL)
 _TERMINAL = re.compile(r'(?:[Tt]erminal|ターミナル) (\d)')
 _CTRL_C = re.compile(r'Ctrl-C in terminal (\d)|ターミナル (\d) で Ctrl-C')
@@ -75,14 +77,14 @@ class Terminal:
 
     def __init__(self, ros, folder):
         self._ros, self._folder, self._kept = ros, folder, []
-        self._program, self._begin = None, 0
+        self._program, self._lines, self._begin = None, [], 0
 
     def type(self, text, is_endless):
         """Run the lines; wait for their end, unless the reader presses Ctrl-C later."""
         assert self._program is None or not self._program.is_running(), 'Ctrl-C is missing'
         for written, typed in _OTHERWISE:
             text = re.sub(written, typed, text, flags=re.MULTILINE)
-        lines = text.splitlines()
+        self._lines = lines = text.splitlines()
         self._program = self._ros.start(
             'bash', '-ec', '\n'.join([*self._kept, *lines]), cwd=str(self._folder),
             start_new_session=True)
@@ -111,9 +113,18 @@ class Terminal:
         self._begin = len(self._program.output) if self._program else 0
 
     def interrupt(self):
-        """Press Ctrl-C; wait for the end."""
+        """Press Ctrl-C; wait for the end.
+
+        Seldom, Ctrl-C does not end `rostopic pub -r`: the handler of rospy then waits for a lock
+        that the interrupted publish holds. The reader presses Ctrl-\\, as the lesson says.
+        """
         assert self._program.is_running(), self._program.output
         os.killpg(self._program.pid, signal.SIGINT)
+        if self._lines[-1].startswith('rostopic pub -r '):
+            with contextlib.suppress(AssertionError):
+                wait_for(lambda: not self._program.is_running(), 'its end', ROSPY_END_S)
+            if self._program.is_running():
+                os.killpg(self._program.pid, signal.SIGQUIT)
         self._program.wait()
 
 
