@@ -116,6 +116,13 @@ def test_times_that_do_not_tell_a_color(others, words):
         of_color(seen_and_unseen(*others), 'red')
 
 
+def test_pixels_without_a_color_are_no_time_without_it():
+    found = counted([(Label(IN_VIEW, 'red', ('red',)), pixels(0)),
+                     (Label(NOT, '', ('red',)), pixels(1))])
+    with pytest.raises(UserError, match='there is no time without red'):
+        of_color(found, 'red')
+
+
 def test_a_color_of_which_nothing_is_known_has_no_pixels():
     assert not of_color(counted([(NONE, pixels(0))]), 'red').positive.counts.any()
 
