@@ -1,4 +1,5 @@
-# The targets of the tests: one for each file of system tests and of rostests, two for the unit tests.
+# The targets of the tests: one for each long file of system tests and each rostest, two for the unit tests, and
+# some for the other system tests.
 find_package(rostest REQUIRED)
 set(test ${CMAKE_CURRENT_SOURCE_DIR}/test)
 set(video ${test}/data/bikes.mp4)
@@ -6,16 +7,27 @@ add_custom_command(OUTPUT ${video} COMMAND ${PYTHON_EXECUTABLE} ${test}/fetch_vi
 add_custom_target(${PROJECT_NAME}_video DEPENDS ${video})
 add_dependencies(tests ${PROJECT_NAME}_video)
 
-# the system tests of each file separately: several run at a time; a test that waits for ever ends after 1200 s
+# several targets run at a time; a test that waits for ever ends after 1200 s
 set(pytest "${PYTHON_EXECUTABLE} -m pytest -p no:cacheprovider --timeout 1200")
-file(GLOB tests CONFIGURE_DEPENDS RELATIVE ${test} ${test}/system/test_*.py)
-# make starts them in this order: what takes longest first, so that no core is without work at the end
-list(INSERT tests 0 system/test_lessons.py unit unit/formats system/test_run.py system/test_page.py system/test_sweep.py system/test_simulator_node.py system/test_sources.py system/test_robots.py system/test_demo.py system/test_run_demo.py system/test_replay.py system/test_testing.py system/test_lockstep.py system/test_follow.py system/test_hosts.py system/test_robot_sensors.py system/test_faults.py)
-list(REMOVE_DUPLICATES tests)
-# the unit tests in two processes, since one would end last; doctest: the examples in docstrings
+# the unit tests in two targets, since one would end last; doctest: the examples in docstrings
 set(with_formats "${test}/unit/rendering ${test}/unit/simulation")
 set(with_unit "--ignore=${test}/unit/formats --ignore=${test}/unit/rendering --ignore=${test}/unit/simulation --doctest-modules ${CMAKE_CURRENT_SOURCE_DIR}/src/img_recog")
-foreach(path ${tests})
+# make starts them in this order: what takes longest first, so that no core is without work at the end
+set(targets system/test_lessons.py unit unit/formats system/test_run.py system/test_page.py system/test_sweep.py system/test_simulator_node.py system/test_sources.py system/test_robots.py system/test_demo.py system/test_run_demo.py system/test_replay.py system/test_testing.py system/test_lockstep.py system/test_follow.py system/test_hosts.py system/test_robot_sensors.py system/test_faults.py system/test_page_robots.py system/test_documentation.py system/test_driving.py system/test_reliability.py system/test_cluster.py system/test_page_navigation.py system/test_gazebo_msgs.py system/test_workspace.py system/test_page_layout.py system/test_several_robots.py)
+file(GLOB others CONFIGURE_DEPENDS RELATIVE ${test} ${test}/system/test_*.py)
+list(REMOVE_ITEM others ${targets})
+# the first of six files gives the target its name: each start of pytest takes a second
+foreach(path ${others})
+  list(FIND others ${path} number)
+  math(EXPR number "${number} % 6")
+  if(number EQUAL 0)
+    list(APPEND targets ${path})
+    get_filename_component(first ${path} NAME_WE)
+  else()
+    set(with_${first} "${with_${first}} ${test}/${path}")
+  endif()
+endforeach()
+foreach(path ${targets})
   get_filename_component(name ${path} NAME_WE)
   string(REGEX MATCH "^[a-z]+" kind ${path})
   set(results "${CATKIN_TEST_RESULTS_DIR}/${PROJECT_NAME}/pytest-${kind}-${name}.xml")
