@@ -1,22 +1,18 @@
 """A headless browser that shows the page of the node web."""
 import contextlib
-import os
+import copy
 import re
 import shutil
-import signal
 import urllib.error
 import urllib.request
 
-import psutil
 import pytest
 
-from img_recog_helpers.process_table import command_lines
 from img_recog_helpers.processes import Ros
 from img_recog_helpers.waiting import wait_for
 
 try:
     from selenium import webdriver
-    from selenium.common.exceptions import WebDriverException
     from selenium.webdriver.chrome.options import Options
     from selenium.webdriver.chrome.service import Service
     from selenium.webdriver.common.action_chains import ActionChains
@@ -57,23 +53,50 @@ def demo_with_page(folder, *arguments):
 
 
 class Browser:
-    """A window of Chromium. driver: selenium's."""
+    """A window of Chromium."""
 
-    def __init__(self, folder, width=1280, height=800, language='en', dark=False):
+    def __init__(self, folder, width=1280, height=800):
         options = Options()
         for argument in ('--headless=new', '--no-sandbox', '--disable-gpu',
-                         '--disable-dev-shm-usage', '--lang=' + language,
+                         '--disable-dev-shm-usage', '--lang=en',
                          '--user-data-dir=' + str(folder),
                          '--window-size={},{}'.format(width, height)):
             options.add_argument(argument)
-        options.add_experimental_option('prefs', {'intl.accept_languages': language})
         options.set_capability('goog:loggingPrefs', {'browser': 'ALL'})
-        self._folder = str(folder)
-        self.driver = webdriver.Chrome(service=Service(shutil.which('chromedriver')),
-                                       options=options)
+        self._driver = webdriver.Chrome(service=Service(shutil.which('chromedriver')),
+                                        options=options)
+        self._window = self._driver.current_window_handle
+        self._current = [self._window]          # of the windows of this browser
+        self._set_up(width, height, 'en', False)
+
+    def another(self, width, height, language='en', dark=False):
+        """Return another window of this browser, which takes much less CPU time than another one.
+        """
+        other = copy.copy(self)
+        self._driver.switch_to.new_window('window')
+        other._window = self._current[0] = self._driver.current_window_handle
+        other._set_up(width, height, language, dark)
+        return other
+
+    def _set_up(self, width, height, language, dark):
+        """Make it the window of another device and person, and the one with the focus."""
         self.resize(width, height)
-        self.driver.execute_cdp_cmd('Emulation.setEmulatedMedia', {'features': [
-            {'name': 'prefers-color-scheme', 'value': 'dark' if dark else 'light'}]})
+        for command, values in (
+                ('Emulation.setEmulatedMedia', {'features': [
+                    {'name': 'prefers-color-scheme', 'value': 'dark' if dark else 'light'}]}),
+                ('Emulation.setUserAgentOverride', {
+                    'userAgent': self.js('return navigator.userAgent'),
+                    'acceptLanguage': language}),
+                ('Emulation.setFocusEmulationEnabled', {'enabled': True})):
+            self.driver.execute_cdp_cmd(command, values)
+
+    @property
+    def driver(self):
+        """Selenium's, which works for this window."""
+        if self._current[0] != self._window:
+            self._driver.switch_to.window(self._window)
+            self._current[0] = self._window
+        return self._driver
 
     def resize(self, width, height):
         """Change its size, as if it was that of another device."""
@@ -143,16 +166,11 @@ class Browser:
         return [entry['message'] for entry in self.driver.get_log('browser')
                 if entry['level'] == 'SEVERE']
 
-    def kill(self):
-        """End the browser without a farewell, as when its computer is switched off."""
-        for pid, line in command_lines(psutil.process_iter()).items():
-            if self._folder in line:
-                with contextlib.suppress(ProcessLookupError):
-                    os.kill(pid, signal.SIGKILL)
-
     def close(self):
-        """End the browser."""
-        with contextlib.suppress(WebDriverException, OSError):      # it was killed
+        """Close the window; the last one ends the browser."""
+        if len(self.driver.window_handles) > 1:
+            self.driver.close()
+        else:
             self.driver.quit()
 
 
