@@ -1,4 +1,5 @@
 """Scenes and cameras for tests of drawing."""
+import functools
 import math
 
 import numpy as np
@@ -47,8 +48,15 @@ def draw(*visuals, camera=CAMERA, pose=np.eye(4), poses=HERE, **more):
     return loaded(scene(*visuals, **more), poses).draw(camera, pose, poses)
 
 
+@functools.lru_cache(maxsize=None)
+def renderer_of_all():
+    """Return the one that the tests of a process use: the first image of each takes long."""
+    return Renderer()
+
+
 def loaded(content, poses):
-    renderer = Renderer()
+    """Return the renderer of all, which shows this scene until another one is loaded."""
+    renderer = renderer_of_all()
     assert renderer.load(content, poses) == []
     return renderer
 

@@ -10,8 +10,7 @@ from img_recog import rotations
 from img_recog.model import BOX, Shape
 from img_recog.rendering import matrices
 from img_recog.rendering.camera import Camera
-from img_recog.rendering.opengl import Renderer
-from img_recog_helpers.drawn import BACKGROUND, scene, visual
+from img_recog_helpers.drawn import BACKGROUND, loaded, scene, visual
 
 CAMERA = Camera(120, 90, math.radians(70), 0.1, 60.0)
 FLOOR_AMBIENT, FLOOR_DIFFUSE = 0.3, 0.7
@@ -86,8 +85,7 @@ def test_boxes_and_the_floor(seed):
     content = scene(*(visual(Shape(BOX, tuple(size)), offset, (*color, 1.0), part)
                       for part, (size, color) in enumerate(zip(sizes, colors))),
                     sun=tuple(3 * sun), floor=floor, moving=tuple(moving.tolist()))
-    renderer = Renderer()
-    renderer.load(content, poses)
+    renderer = loaded(content, poses)
     for number in range(3):
         solids = [Solid(pose @ offset, size, color) for pose, size, color in zip(
             matrices.from_poses(poses), sizes, colors)]

@@ -10,9 +10,9 @@ from img_recog.formats.lenses import Distortion, Lens
 from img_recog.model import BOX, SPHERE, Shape, Surroundings
 from img_recog.rendering import lens_views, matrices
 from img_recog.rendering.camera import Camera, View, ImageEdges
-from img_recog.rendering.opengl import Renderer
 from img_recog.rendering.rays import directions
-from img_recog_helpers.drawn import HERE, RED, at, centroid, scene, sky_color, visual
+from img_recog_helpers.drawn import (HERE, RED, at, centroid, loaded, scene, sky_color,
+                                     visual)
 
 SIZE = 320, 240
 TYPES = {kind: lenses.scaled_to(lenses.of_type(kind), 2.4) for kind in lenses.TYPES[:-1]}
@@ -21,8 +21,7 @@ LENSES = {**TYPES, 'round': lenses.scaled_to(Lens(1.0), 1.9 * math.pi), 'custom'
 
 
 def seen(lens, *visuals, pose=np.eye(4), fov=1.0):
-    renderer = Renderer()
-    renderer.load(scene(*visuals), HERE)
+    renderer = loaded(scene(*visuals), HERE)
     camera = Camera(*SIZE, fov, 0.05, 50.0, lens)
     return (lens_views.draw(renderer, camera, pose, HERE),
             lens_views.depth(renderer, camera, pose, HERE))
@@ -152,8 +151,7 @@ def test_distortion_moves_pixels_as_its_model_says():
 
 @pytest.mark.parametrize('name', ['round', 'custom', 'equidistant'])
 def test_sky_and_floor_join_in_all_faces(name):
-    renderer = Renderer()
-    renderer.load(scene(floor=True, around=Surroundings(has_sky=True)), HERE)
+    renderer = loaded(scene(floor=True, around=Surroundings(has_sky=True)), HERE)
     camera = Camera(*SIZE, 1.0, 0.05, 50.0, LENSES[name])
     pose = matrices.from_poses(np.array([[0.0, 0, 1, *rotations.quaternion_of(
         rotations.from_rpy((0.3, 0.4, 0.5)))]]))[0]

@@ -7,12 +7,11 @@ import pytest
 from img_recog import rotations
 from img_recog.formats import world_file
 from img_recog.rendering.camera import Camera
-from img_recog.rendering.opengl import Renderer
 from img_recog.simulation import assembly
 from img_recog.simulation.pictures import visual_scene
 from img_recog.simulation.pictures.visual_scene import Parts
 from img_recog.simulation.simulation_settings import PhysicsSettings
-from img_recog_helpers.drawn import at, looking_down
+from img_recog_helpers.drawn import at, loaded, looking_down
 from img_recog_helpers.sdf import sdf
 
 TOLERANCE = 8
@@ -54,24 +53,19 @@ def cone(inner, outer, falloff):
         '</spot>'.format(inner, outer, falloff))
 
 
-@pytest.fixture(scope='module')
-def seen():
-    """A function that returns the colors of points (n, 3) of a world in the image of a camera."""
-    renderer = Renderer()
-
-    def draw(inside, pose, points):
-        world = world_file.read('a.world', {}, read_file=lambda path: sdf(inside))
-        built = assembly.build(PhysicsSettings(), world, [])
-        parts = Parts(built.simulator)
-        assert renderer.load(visual_scene.read(built.scene, parts), parts.poses()) == []
-        image = renderer.draw(CAMERA, pose, parts.poses())
-        fx, fy, cx, cy = CAMERA.intrinsics
-        found = []
-        for point in points:
-            ahead, left, up = (np.array(point) - pose[:3, 3]) @ pose[:3, :3]
-            found.append(image[round(cy - fy * up / ahead), round(cx - fx * left / ahead)])
-        return np.array(found, int)
-    return draw
+def seen(inside, pose, points):
+    """Return the colors of points (n, 3) of a world in the image of a camera."""
+    world = world_file.read('a.world', {}, read_file=lambda path: sdf(inside))
+    built = assembly.build(PhysicsSettings(), world, [])
+    parts = Parts(built.simulator)
+    image = loaded(visual_scene.read(built.scene, parts), parts.poses()).draw(
+        CAMERA, pose, parts.poses())
+    fx, fy, cx, cy = CAMERA.intrinsics
+    found = []
+    for point in points:
+        ahead, left, up = (np.array(point) - pose[:3, 3]) @ pose[:3, :3]
+        found.append(image[round(cy - fy * up / ahead), round(cx - fx * left / ahead)])
+    return np.array(found, int)
 
 
 def assert_close(found, expected):
@@ -99,7 +93,7 @@ MATERIALS = {
 
 
 @pytest.mark.parametrize('material', MATERIALS)
-def test_materials_in_the_sun_and_turned_from_it(seen, material):
+def test_materials_in_the_sun_and_turned_from_it(material):
     world = SUN + MODEL.format('m', '0 0 1', VISUAL.format(BOX, material, ''))
     behind, top = MATERIALS[material]
     if behind is not None:
@@ -118,7 +112,7 @@ def test_materials_in_the_sun_and_turned_from_it(seen, material):
     (script('TurquoiseGlow'), (0, 2), [230, 255, 255]), (script('LightOn'), (1, 1), [0, 255, 0]),
     (script('JointAnchor'), (-2, 2), 255), ('<specular>1 1 1 1</specular>' + color('0 0 0'),
                                             (0, 2), 0)])
-def test_materials_in_light_from_above(seen, material, place, expected):
+def test_materials_in_light_from_above(material, place, expected):
     x, y = 0.45 * place[0], 0.45 * place[1]
     lamp = light('directional', 10, inside=HALF + '<specular>1 1 1 1</specular>')
     world = '<scene><background>0 0 0 1</background></scene>' + lamp + MODEL.format(
@@ -152,19 +146,19 @@ LIGHTS = {
 
 
 @pytest.mark.parametrize('lights', LIGHTS)
-def test_lights(seen, lights):
+def test_lights(lights):
     world = DARK + lights + MODEL.format('g', '0 0 0', VISUAL.format(PLANE, WHITE, ''))
     assert_close(seen(world, looking_down(4.0), POINTS), LIGHTS[lights])
 
 
-def test_a_highlight_needs_an_exponent_in_any_light(seen):
+def test_a_highlight_needs_an_exponent_in_any_light():
     lamp = light('point', 1, inside=HALF + '<specular>1 1 1 1</specular>')
     plane = VISUAL.format(PLANE, WHITE + '<specular>1 1 1 1</specular>', '')
     assert_close(seen(DARK + lamp + MODEL.format('g', '0 0 0', plane), looking_down(4.0), POINTS),
                  LIGHTS[light('point', 1)])
 
 
-def test_ten_lights_are_added(seen):
+def test_ten_lights_are_added():
     world = DARK + ''.join(light('point', '0.3 0 0 0', fading(3, 1, 2, 4),
                                  '<diffuse>.3 .3 .3 1</diffuse>').replace(
         'name="l"', 'name="l{}"'.format(number)).replace('<pose>0 0', '<pose>0 {:.1f}'.format(
@@ -190,7 +184,7 @@ CLEAR = '<transparency>0.6</transparency>'
     (FOG.format('exp2', '<density>.1</density>'), '', [82, 0, 51], [56, 0, 114], [0, 0, 255]),
     (FOG.format('none', ''), '', [102, 0, 0], [102, 0, 0], [155, 155, 155]),
     ('<scene><fog/></scene>', '', [102, 0, 0], [102, 0, 0], [155, 155, 155])])
-def test_fog_is_that_of_the_corners(seen, fog, more, near, far, ground):
+def test_fog_is_that_of_the_corners(fog, more, near, far, ground):
     posts = ''.join(MODEL.format('m{}'.format(x), '{} {} 0.5'.format(x, y), VISUAL.format(
         '<box><size>.6 .6 1</size></box>', RED, more)) for x, y in ((2, 0), (5, 1.5)))
     found = seen(fog + SUN + GROUND + posts, at(-3, 0, 1), [
@@ -198,7 +192,7 @@ def test_fog_is_that_of_the_corners(seen, fog, more, near, far, ground):
     assert_close(found, [near, far, ground])
 
 
-def test_background(seen):
+def test_background():
     heights = [(1.0, 0.0, math.tan(angle)) for angle in (0.032, 0.134, 0.265)]
     assert_close(seen(SUN, np.eye(4), heights), [178] * 3)
     assert_close(seen('<scene><background>0 0 1 1</background></scene>', np.eye(4), heights),
@@ -216,7 +210,7 @@ def test_background(seen):
     ((270, -10), {(270, 0.2): (198, 207, 224), (270, -5): (200, 205, 202),
                   (270, -9.15): (187, 187, 173), (270, -14): (178, 178, 178)}),
     ((0, 85), {(0, 89): (68, 81, 137)})])
-def test_sky(camera, sky, seen):
+def test_sky(camera, sky):
     pose = np.eye(4)
     yaw, height = np.radians(camera)
     pose[:3, :3] = rotations.from_rpy((0, -height, yaw))
