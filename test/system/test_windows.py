@@ -6,7 +6,9 @@ import subprocess
 import cv2
 import numpy as np
 import pytest
+from roslib.packages import find_node
 
+from img_recog_helpers.simulator_tools import Echo, Messages, burger
 from img_recog_helpers.waiting import wait_for
 
 pytestmark = pytest.mark.display
@@ -14,35 +16,43 @@ SIMULATOR = 'Bullet Physics'
 
 
 @pytest.fixture
-def display(ros):
-    """A virtual display; ros.env has its name."""
+def display(ros, tmp_path):
+    """A virtual display; ros.env has its name. Returns the file in which what it shows is kept."""
     reader, writer = os.pipe()
     # without -noreset it ends the connections of new clients when the last one has gone
     server = ros.start('Xvfb', '-displayfd', writer, '-noreset', '-screen', '0', '1100x800x24',
-                       '-nolisten', 'tcp', pass_fds=[writer])
+                       '-nolisten', 'tcp', '-fbdir', tmp_path, pass_fds=[writer])
     os.close(writer)
     with os.fdopen(reader) as file:
         number = file.readline().strip()
     assert number, server.output
     ros.env['DISPLAY'] = ':' + number
-    return ros.env['DISPLAY']
+    return tmp_path / 'Xvfb_screen0'
+
+
+def screenshot(path):
+    """Return the RGB image in a file of the format of xwd, with 4 bytes for a pixel: B, G, R, 0.
+
+    A program that takes one needs 0.3 s of CPU time.
+    """
+    data = np.fromfile(str(path), np.uint8)
+    header = data[:100].view('>u4')
+    begin, height, line = header[0] + 12 * header[19], header[5], header[12]
+    return data[begin:begin + height * line].reshape(height, -1, 4)[..., 2::-1]
 
 
 @pytest.fixture
-def wait_shares(ros, display, tmp_path):
+def wait_shares(display):
     """A function that waits until a screenshot shows some colors as a condition wants it.
 
     colors: the lowest and highest RGB values (0 to 255) of each. is_good: called with the share of
     the pixels that each of them has.
     """
     def wait(colors, is_good):
-        path, found = str(tmp_path / 'display.ppm'), {}
-        command = ['import', '-window', 'root', '-depth', '8', path]
+        found = {}
 
         def shown():
-            if subprocess.run(command, env=ros.env, check=False).returncode != 0:
-                return False
-            image = cv2.imread(path)[..., ::-1]
+            image = screenshot(display)[::2, ::2]
             found.update({name: float(((image >= low) & (image <= high)).all(axis=2).mean())
                           for name, (low, high) in colors.items()})
             return is_good(found)
@@ -51,10 +61,10 @@ def wait_shares(ros, display, tmp_path):
 
 
 def test_image_view_shows_the_blue_part(ros, wait_shares):
-    demo = ros.demo('simulator:=false', 'gui:=false', 'image_view:=false', 'teleop:=false',
-                    'image_width:=640', 'image_height:=480')
-    demo.wait_output('camera: synthetic')
-    ros.start('rosrun', 'image_view', 'image_view', 'image:=/blue_image')
+    ros.start_master()
+    ros.start_node('usb_cam_node.py', '_video_device:=synthetic')
+    ros.start_node('color_img_recog.py')
+    ros.start(find_node('image_view', 'image_view')[0], 'image:=/blue_image')
     wait_shares({'blue': ((0, 40, 180), (60, 100, 255)), 'red': ((180, 0, 30), (255, 60, 90))},
                 lambda found: found['blue'] > 0.01 and found['red'] == 0)
 
@@ -81,12 +91,15 @@ def test_a_launch_file_like_that_of_usb_cam_shows_the_image(ros, wait_shares, tm
     assert cv2.imwrite(picture, np.full((480, 640, 3), (0, 200, 0), np.uint8))
     launch.write_text(USB_CAM_LAUNCH.format(picture))
     ros.roslaunch(launch).wait_output('camera: image')
-    ros.wait_run('frame_id: "usb_cam"', 'rostopic', 'echo', '-n', '1', '/usb_cam/image_raw/header')
+    assert Messages(ros, '/usb_cam/image_raw').wait_more(1)[0].header.frame_id == 'usb_cam'
     wait_shares({'green': ((0, 180, 0), (20, 220, 20))}, lambda found: found['green'] > 0.25)
 
 
 def test_the_simulators_window_shows_the_world(ros, wait_shares):
-    demo = ros.demo('gui:=true', 'vision:=false', 'camera:=none')
+    # alone: that gui:=true comes to it, test_optional_window.py holds
+    ros.start_master()
+    ros.set_parameters('/robot_description', burger())
+    simulator = ros.start_node('pybullet_sim.py', '_gui:=true')
     colors = {'green': ((0, 90, 0), (60, 255, 60)), 'white': ((205, 205, 205), (255, 255, 255)),
               'wall': ((20, 20, 20), (90, 90, 90)), 'floor': ((130, 130, 130), (190, 190, 190))}
     wait_shares(colors, lambda found: found['green'] > 0.03 and found['white'] > 0.0005
@@ -98,5 +111,5 @@ def test_the_simulators_window_shows_the_world(ros, wait_shares):
     assert SIMULATOR in windows
     window = re.search(r'(0x[0-9a-f]+) "{}'.format(SIMULATOR), windows).group(1)
     subprocess.run(['xkill', '-id', window], env=ros.env, check=True, stdout=subprocess.DEVNULL)
-    demo.wait_output('no window: .*the simulation goes on')
-    ros.wait_run('clock:', 'rostopic', 'echo', '-n', '1', '/clock')
+    simulator.wait_output('no window: .*the simulation goes on')
+    Echo(ros, '/clock/clock').wait_more(2)
