@@ -1,16 +1,28 @@
-"""The page without recognition, and its map of navigation, with a stand-in for its nodes."""
+"""The page of two robots without recognition: which one is shown and driven, and its navigation.
+
+The nodes of navigation are a stand-in.
+"""
 import contextlib
 import math
 import re
 import sys
 
+import cv2
+import numpy as np
 import pytest
 from selenium.webdriver.common.action_chains import ActionChains
 
 from img_recog_helpers.browser import Browser, demo_with_page
+from img_recog_helpers.simulator_tools import Echo
 from img_recog_helpers.waiting import wait_for
 
-# a room of 4 x 6 m around the robot, whose odometry is turned to the left in it; says what it gets
+DESK = 1280, 800
+LIST = '''
+- {name: tb3_0, x_pos: 0.0, y_pos: 0.0, camera: card.png}
+- {name: tb3_1, x_pos: 0.0, y_pos: 1.0, camera: none}
+'''
+# a room of 4 x 6 m around the first robot, whose odometry is turned to the left in it; says what
+# it gets
 STAND_IN = '''
 import math, rospy, tf2_ros
 from geometry_msgs.msg import PoseStamped, PoseWithCovarianceStamped, TransformStamped
@@ -34,7 +46,7 @@ keep = [rospy.Publisher(name, type(msg), latch=True, queue_size=1) for name, msg
     ('map', grid), ('move_base/NavfnROS/plan', plan))]
 keep[0].publish(grid)
 keep[1].publish(plan)
-transform = TransformStamped(child_frame_id='odom')
+transform = TransformStamped(child_frame_id='tb3_0/odom')
 transform.header.frame_id = 'map'
 transform.transform.translation.x, transform.transform.translation.y = -1.0, -1.0
 transform.transform.rotation.z = transform.transform.rotation.w = math.sqrt(0.5)
@@ -68,9 +80,14 @@ OFFSET = '''
 
 @pytest.fixture(scope='module')
 def demo(tmp_path_factory):
-    """A demo with the page, and a robot at the origin of its odometry."""
-    with demo_with_page(tmp_path_factory.mktemp('demo'), 'vision:=false', 'camera:=none',
-                        'x_pos:=0', 'y_pos:=0') as ros:
+    """A demo of two robots; the camera of the first one shows a grey wall. robots: their list."""
+    folder = tmp_path_factory.mktemp('demo')
+    assert cv2.imwrite(str(folder / 'card.png'), np.full((120, 160, 3), 150, np.uint8))
+    robots = folder / 'robots.yaml'
+    robots.write_text(LIST)
+    with demo_with_page(folder, 'robots:={}'.format(robots), 'recognition:=false',
+                        'teleop:=false', 'framerate:=5') as ros:
+        ros.robots = robots
         yield ros
 
 
@@ -117,10 +134,11 @@ def test_without_recognition_nothing_waits_for_it(page):
 
 def test_map_robot_plan_goal_and_initial_pose(demo, page):
     assert not is_shown(page)
-    slam = demo.start(sys.executable, '-c', STAND_IN)
+    slam = demo.start(sys.executable, '-c', STAND_IN,
+                      env=dict(demo.env, ROS_NAMESPACE='tb3_0'))
     wait_for(lambda: is_shown(page), lambda: 'the tab\n' + slam.output)
     page.tab('navigation')
-    for number, size in enumerate(((1280, 800), (390, 844))):
+    for number, size in enumerate((DESK, (390, 844))):
         page.resize(*size)
         wait_for(lambda: page.js(COLOR, -2.5, 1.5), 'the map')
         for (x, y), color in {(-2.5, 1.5): [254, 254, 254], (-2.95, 1.0): [0, 0, 0],
@@ -135,3 +153,41 @@ def test_map_robot_plan_goal_and_initial_pose(demo, page):
     assert page.errors() == []
     slam.close()
     wait_for(lambda: not is_shown(page), 'no tab')
+
+
+def positions(ros):
+    """Return x of both robots."""
+    echoes = [Echo(ros, '/{}/odom/pose/pose/position/x'.format(name))
+              for name in ('tb3_0', 'tb3_1')]
+    return [echo.wait_more(1)[-1][0] for echo in echoes]
+
+
+def test_a_visitor_chooses_a_robot_and_drives_only_that_one(demo, page):
+    page.resize(*DESK)
+    page.tab('live')
+    wait_for(lambda: page.pixels('/tb3_0/usb_cam/image_raw'), 'a picture of the first robot')
+    wait_for(lambda: page.js('const list = document.querySelector(".robot"); return list && '
+                             'list.offsetParent && list.textContent.startsWith("tb3_0")'),
+             'the list of robots')
+    # on a busy machine, the list was seen to be closed again
+    wait_for(lambda: page.js('''
+        const choice = [...document.querySelectorAll(".q-menu .q-item")].find(
+          (each) => each.textContent.startsWith("tb3_1"));
+        if (choice) choice.click();
+        else if (!document.querySelector(".q-menu")) document.querySelector(".robot").click();
+        return Boolean(choice)'''), 'the second robot in the list')
+    wait_for(lambda: page.js('return window.robot') == 'tb3_1', 'the page of the second robot')
+    wait_for(lambda: re.search('y 1.0', page.text('[data-bind=pose]')), 'its position')
+    assert page.js('return document.querySelector("[data-picture]").dataset.picture') \
+        == '/tb3_1/usb_cam/image_raw'
+    page.hold_key('w', True)
+    wait_for(lambda: page.pose()[0] > 0.15, 'the second robot to drive')
+    page.hold_key('w', False)
+    first, second = positions(demo)
+    assert abs(first) < 0.01 and second > 0.15
+    # a robot that is removed is not shown any more
+    demo.robots.write_text(LIST.splitlines()[1] + '\n')
+    demo.wait_run('success: True', 'rosservice', 'call', '/robots/reload')
+    wait_for(lambda: page.js('return window.robot') == 'tb3_0', 'the page of the other robot')
+    wait_for(lambda: re.search('y -?0.0', page.text('[data-bind=pose]')), 'its position')
+    assert page.errors() == []
