@@ -40,6 +40,15 @@ class Objective:
         self.positive, self.negative = positive, negative
         self._beta, self._margin = beta * beta, margin
 
+    def ranks(self) -> List[np.ndarray]:
+        """Return a number for each edge of saturations, and of values: between two edges with the
+        same one, there are no pixels that count.
+        """
+        if any(self._margin):
+            return [np.arange(size + 1) for size in self.positive.shape[1:]]
+        return [np.concatenate([[0], np.cumsum(one | other)])
+                for one, other in zip(self.positive.filled[1:], self.negative.filled[1:])]
+
     def score(self, edges: np.ndarray) -> np.ndarray:
         """Return the score of boxes: float of shape (...); edges: as in SummedVolume.count."""
         return self.bound(edges, edges)
@@ -137,13 +146,13 @@ def _search(objective: Objective, lowest: np.ndarray, highest: np.ndarray, best:
     It is branch and bound, as Lampert, Blaschko and Hofmann use it ("Beyond Sliding Windows", CVPR
     2008): sets of boxes are halved until their bound shows that none is better.
     """
-    low, high = lowest[np.newaxis], highest[np.newaxis]
+    low, high, ranks = lowest[np.newaxis], highest[np.newaxis], objective.ranks()
     bounds, examined = _bounds(objective, low, high), 0
     while len(bounds) and examined < _MAX_SETS:
         order = np.argsort(-bounds, kind='stable')      # the most promising sets first
         chosen = order[:_BATCH]
         examined += len(chosen)
-        new_low, new_high = _halves(low[chosen], high[chosen])
+        new_low, new_high = _halves(low[chosen], high[chosen], ranks)
         if len(new_low):
             middles = _middles(new_low, new_high)
             scores = objective.score(middles)
@@ -217,12 +226,19 @@ def _middles(low: np.ndarray, high: np.ndarray) -> np.ndarray:
     return middles
 
 
-def _halves(low: np.ndarray, high: np.ndarray) -> Tuple[np.ndarray, np.ndarray]:
-    """Return the halves of each set of boxes, cut where its limits are the farthest apart."""
+def _halves(low: np.ndarray, high: np.ndarray, ranks: List[np.ndarray]
+            ) -> Tuple[np.ndarray, np.ndarray]:
+    """Return the halves of each set of boxes, cut where its limits are the farthest apart.
+
+    ranks: as of Objective.
+    """
+    distance = high - low
+    for side, each in zip(range(2, 6), (ranks[0], ranks[0], ranks[1], ranks[1])):
+        distance[:, side] = each.take(high[:, side]) - each.take(low[:, side])
     rows = np.arange(len(low))
-    axis = (high - low).argmax(axis=1)
+    axis = distance.argmax(axis=1)
     cut = (low[rows, axis] + high[rows, axis]) // 2
-    is_one = high[rows, axis] == low[rows, axis]        # a single box: its bound is its score
+    is_one = distance[rows, axis] == 0      # one box, or equal ones: their bound is their score
     first_high, second_low = high.copy(), low.copy()
     first_high[rows, axis] = cut
     second_low[rows, axis] = cut + 1

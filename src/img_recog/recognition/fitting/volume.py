@@ -58,7 +58,8 @@ class SummedVolume:
     dimensions. Levels at which there are no pixels are not in it. The hues are in it twice, one
     after the other, so that a range through 0 is one box as well.
 
-    shape: number of hues, saturations and values; total: of all counts.
+    shape: number of hues, saturations and values; total: of all counts; filled: for each of the
+    three, at which levels there are pixels.
     """
 
     def __init__(self, histogram: Sparse, shape: Tuple[int, ...]):
@@ -71,6 +72,7 @@ class SummedVolume:
         for each, levels in zip(below, places):
             each[levels + 1] = 1
             np.cumsum(each, out=each)
+        self.filled = [np.diff(each) > 0 for each in below]
         hues, saturations, values = (int(each[-1]) for each in below)
         # half the memory; differences are right even if sums overflow, being below the total
         kind = np.uint32 if self.total <= np.iinfo(np.uint32).max else np.uint64

@@ -70,6 +70,19 @@ def test_a_few_pixels_in_noise_are_searched_as_well(seed):
         brute_force(positive, negative))
 
 
+# of these seeds, too, and all levels at which there are pixels of either matter
+@pytest.mark.parametrize('seed, margin', [
+    (54, (0, 0, 0)), (104, (0, 0, 0)), (277, (0, 2, 0))])
+def test_levels_without_pixels_are_not_searched_one_by_one(seed, margin):
+    random = np.random.RandomState(seed)
+    positive, negative = np.zeros((2, 8, 9, 5), int)
+    positive[:, ::3, ::2] = random.poisson(0.1, (8, 3, 3))
+    negative[:, 1::3, 1::2] = random.poisson(1.0, (8, 3, 2))
+    found = search(positive, negative)
+    assert found.best(margin=margin).score == pytest.approx(
+        found.objective(1.0, margin).score(all_boxes(positive.shape)).max())
+
+
 def plain_count(counts, edges, by):
     """Return the counts in a box whose sides are moved outwards, but for those at an end."""
     low, end = edges[:2]
