@@ -1,5 +1,6 @@
 """Check the imports between the folders of the package in its syntax trees."""
 import ast
+import functools
 import pathlib
 
 PURE = ('camera', 'formats', 'recognition', 'rendering', 'simulation', 'teleoperation')
@@ -53,21 +54,28 @@ def violations(package):
 
 
 def _of_file(path, name):
-    tree = ast.parse(path.read_text(), str(path))
-    for line, module in _imports(tree, name):
+    imports, internals = _read(path, name)
+    for line, module in imports:
         reason = _reason(name, module)
         if reason:
             yield '{}:{}: {}: {}'.format(name, line, module, reason)
     if name.parts[:2] != ('ros', 'transport'):
-        for line, text in _internals(tree):
+        for line, text in internals:
             yield '{}:{}: {}: internals of rospy are only for ros/transport'.format(
                 name, line, text)
 
 
-def _imports(tree, name):
+@functools.lru_cache(maxsize=None)
+def _read(path, name):
+    """Return line number and name of each import in a file, and of each use of internals."""
+    nodes = list(ast.walk(ast.parse(path.read_text(), str(path))))
+    return list(_imports(nodes, name)), list(_internals(nodes))
+
+
+def _imports(nodes, name):
     """Yield line number and absolute name of each import in the file, also of relative ones."""
     package = ('img_recog',) + name.parts[:-1]
-    for node in ast.walk(tree):
+    for node in nodes:
         if isinstance(node, ast.Import):
             for alias in node.names:
                 yield node.lineno, alias.name
@@ -82,9 +90,9 @@ def _imports(tree, name):
                     yield node.lineno, word.value
 
 
-def _internals(tree):
-    rospy_names = set(_names_of_rospy(tree))
-    for node in ast.walk(tree):
+def _internals(nodes):
+    rospy_names = set(_names_of_rospy(nodes))
+    for node in nodes:
         if isinstance(node, ast.Attribute):
             parts = _dotted(node)
             is_private = any(part.startswith('_') for part in parts[1:])
@@ -101,9 +109,9 @@ def _internals(tree):
                     yield node.lineno, alias.name
 
 
-def _names_of_rospy(tree):
+def _names_of_rospy(nodes):
     """Yield the names that a file gives to rospy and to what it imports from rospy."""
-    for node in ast.walk(tree):
+    for node in nodes:
         if isinstance(node, ast.Import):
             for alias in node.names:
                 if alias.name.split('.')[0] == 'rospy':
@@ -186,8 +194,7 @@ def circles(package):
     files = {path.relative_to(package) for path in package.rglob('*.py')}
     arrows = {name: set() for name in files}
     for name in files:
-        tree = ast.parse((package / name).read_text(), str(name))
-        for _, module in _imports(tree, name):
+        for _, module in _read(package / name, name)[0]:
             parts = module.split('.')[1:] if module.startswith('img_recog.') else []
             target = next((path for path in (pathlib.PurePath(*parts[:length]).with_suffix('.py')
                                              for length in range(len(parts), 0, -1))

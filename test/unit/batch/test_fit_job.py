@@ -201,8 +201,7 @@ def widths():
 
 
 @pytest.mark.parametrize('sigma, crf, color', [     # the worst that are told
-    (12, None, RED), (12, None, (60, 150, 50)), (12, None, (70, 25, 20)),
-    (4, 28, BLUE), (4, 28, (40, 190, 210)), (4, 28, (70, 25, 20))])
+    (12, None, RED), (12, None, (70, 25, 20)), (4, 28, (40, 190, 210)), (4, 28, (70, 25, 20))])
 def test_times_alone_tell_a_color_in_noise_and_after_compression(fit, sigma, crf, color):
     write_film(sigma, crf, [[]] * 15 + [[color]] * 15)
     write_times(card=HALVES)
@@ -216,9 +215,8 @@ def test_times_alone_tell_a_color_in_noise_and_after_compression(fit, sigma, crf
     assert areas_px[15:].min() > 120 and areas_px[15:].max() < 440
 
 
-@pytest.mark.parametrize('crf', [None, 23])
-def test_times_alone_tell_two_colors_that_are_in_view_together(fit, crf):
-    write_film(4, crf, [[]] * 8 + [[RED]] * 8 + [[RED, BLUE]] * 8 + [[WALL, BLUE]] * 8)
+def test_times_alone_tell_two_colors_that_are_in_view_together(fit):
+    write_film(4, 23, [[]] * 8 + [[RED]] * 8 + [[RED, BLUE]] * 8 + [[WALL, BLUE]] * 8)
     write_times(red=[('in_view', 1.6, 4.7), ('not_in_view', 0, 1.5), ('not_in_view', 4.8, 6.4)],
                 blue=[('in_view', 3.2, 6.4), ('not_in_view', 0, 3.1)])
     assert fit('film.mkv')[0] == 0
@@ -335,7 +333,10 @@ def test_the_worst_frames_are_drawn(fit, tmp_path):
     assert drawn.shape == picture(RED).shape and (drawn != picture(RED)).any()
 
 
-def test_two_processes_write_the_same_bytes(drawn_fit, two_processes, tmp_path):
+def test_two_processes_write_the_same_bytes(fit, two_processes, tmp_path, monkeypatch):
+    drawn = []
+    monkeypatch.setattr(picture_of_histograms, 'draw', lambda figure, profiles: drawn.append(
+        profiles))
     write_bag(tmp_path / 'drive.bag')
     (tmp_path / 's.yaml').write_text(SAMPLES + BAG_SAMPLES)
     written = []
@@ -344,6 +345,7 @@ def test_two_processes_write_the_same_bytes(drawn_fit, two_processes, tmp_path):
         written.append({name: (tmp_path / name).read_bytes() for name in os.listdir('.')
                         if name.startswith('fit_colors')})
     assert written[0] == written[1] and len(written[0]) >= 4
+    np.testing.assert_equal(*drawn)
 
 
 def test_samples_that_are_refused_leave_nothing(fit, tmp_path):

@@ -171,7 +171,8 @@ def test_models_nested_too_deeply(folder):
         'models are nested more than 100 deep, at m in '])
 
 
-def test_too_many_included_models(folder):
+def test_too_many_included_models(folder, monkeypatch):
+    monkeypatch.setattr(sdf_file, '_MAX_INCLUDED', 200)
     for number in range(30):        # 2 ** 30 models
         (folder / 'models' / str(number)).mkdir()
         model(folder / 'models' / str(number) / 'model.sdf', 'm', ''.join(include(
@@ -180,7 +181,7 @@ def test_too_many_included_models(folder):
     problems = Problems()
     sdf_file.read(ElementTree.fromstring(sdf(include('model://0'))), str(folder / 'worlds' / 'w'),
                   lambda uri: None, problems)
-    assert problems.names[0].startswith('it includes more than 5000 models, at {}'.format(
+    assert problems.names[0].startswith('it includes more than 200 models, at {}'.format(
         folder / 'models'))
     many = ''.join(include('model://table', '<name>{}</name>'.format(number))
                    for number in range(120))

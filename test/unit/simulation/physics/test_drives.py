@@ -22,7 +22,7 @@ SKID = plugin('gazebo_ros_skid_steer_drive', leftFrontJoint='left_0_joint', torq
 PLANAR = plugin('gazebo_ros_planar_move', robotBaseFrame='base_link')
 CONTROL = plugin('gazebo_ros_control')
 FOUR = (0.15, -0.15)
-COMMANDS = ((0.4, 0.0), (-0.3, 0.0), (0.0, 0.8), (0.0, -0.8), (0.3, 0.5))
+COMMANDS = ((0.4, 0.0), (0.0, -0.8), (-0.3, 0.5))
 
 
 def odometry(simulator, steps=2000):

@@ -1,5 +1,4 @@
 """Robots as others write them, driven straight and turning: the speed is the one that is asked."""
-import numpy as np
 import pytest
 
 from img_recog.formats import world_file
@@ -7,7 +6,7 @@ from img_recog.model import Tree
 from img_recog.simulation import assembly
 from img_recog.simulation.simulation_settings import PhysicsSettings
 from img_recog_helpers.robots import read
-from img_recog_helpers.wheeled import TURN_SHARE
+from img_recog_helpers.wheeled import TURN_SHARE, velocity
 
 INERTIAL = ('<inertial><mass value="{}"/><inertia ixx="{}" ixy="{}" ixz="0" iyy="{}" iyz="0" '
             'izz="{}"/></inertial>')
@@ -55,18 +54,6 @@ def build(base=BASE, wheel=WHEEL, caster='', roll='1.5707963', more='</robot>', 
     return built.simulator, robot.warnings
 
 
-def moved(simulator, linear_x, angular_z):
-    """Return how far a cart drives in 1 s, and turns, from when it is steady."""
-    vehicle = simulator.vehicles[0]
-    vehicle.command(linear_x, angular_z)
-    simulator.advance(1000)
-    start = vehicle.robot.motion()
-    simulator.advance(1000)
-    end = vehicle.robot.motion()
-    assert start.position[2] == pytest.approx(0, abs=0.002)
-    return np.hypot(*(end.position - start.position)[:2]), end.yaw - start.yaw
-
-
 ROBOTS = {
     'fixed casters without inertial': {},
     'wheels that lean to different sides': {'roll': '{side}.57'},
@@ -80,9 +67,10 @@ ROBOTS = {
 @pytest.mark.parametrize('parts', list(ROBOTS.values()), ids=list(ROBOTS))
 def test_robots_drive_as_fast_as_asked(parts):
     simulator, _ = build(**parts)
-    assert moved(simulator, 0.2, 0.0)[0] == pytest.approx(0.2, rel=0.02)
-    way, turned = moved(simulator, 0.0, 0.5)
-    assert turned == pytest.approx(TURN_SHARE * 0.5, rel=0.025) and way < 0.005
+    assert velocity(simulator, 0.2) == pytest.approx((0.2, 0, 0), rel=0.02, abs=0.005)
+    assert velocity(simulator, 0.0, 0.5) == pytest.approx(
+        (0, 0, TURN_SHARE * 0.5), rel=0.025, abs=0.005)
+    assert simulator.vehicles[0].robot.motion().position[2] == pytest.approx(0, abs=0.002)
 
 
 @pytest.mark.parametrize('parts, words', [
