@@ -134,9 +134,9 @@ def result(tmp_path):
     return [(tmp_path / name).read_bytes() for name in ('s.sweep.csv', 's.sweep.png')]
 
 
-def some_are_done(tmp_path):
-    return any(name.endswith('.piece') for _, _, names in os.walk(
-        str(tmp_path / 's.sweep.work')) for name in names)
+def count_done(tmp_path):
+    return sum(name.endswith('.piece') for _, _, names in os.walk(str(tmp_path / 's.sweep.work'))
+               for name in names)
 
 
 def test_a_cluster_gives_the_bytes_of_one_process_also_after_kills(cluster, run, tmp_path):
@@ -144,11 +144,12 @@ def test_a_cluster_gives_the_bytes_of_one_process_also_after_kills(cluster, run,
     ended(run(*sweep, '--jobs', '1'))
     expected = result(tmp_path)
     interrupted = run(*sweep, '--scheduler', ADDRESS)
-    wait_for(lambda: some_are_done(tmp_path) or interrupted.poll() is not None, 'a result')
+    wait_for(lambda: count_done(tmp_path) or interrupted.poll() is not None, 'a result')
     interrupted.send_signal(signal.SIGINT)
     interrupted.communicate()
-    resumed = run(*sweep, '--scheduler', ADDRESS, '--copy')
-    wait_for(lambda: some_are_done(tmp_path) or resumed.poll() is not None, 'a result')
+    before = count_done(tmp_path)
+    resumed = run(*sweep, '--scheduler', ADDRESS, '--copy', '--resume')
+    wait_for(lambda: count_done(tmp_path) > before or resumed.poll() is not None, 'a result')
     os.killpg(cluster[0].pid, signal.SIGKILL)
     ended(resumed)
     assert result(tmp_path) == expected

@@ -8,7 +8,9 @@ import time
 import warnings
 import weakref
 from collections import deque
-from typing import Any, ContextManager, Dict, Iterator, List, MutableMapping, Sequence, Tuple
+from concurrent.futures import CancelledError
+from typing import (Any, ContextManager, Dict, Iterator, List, MutableMapping, Optional, Sequence,
+                    Tuple)
 
 import dask
 from distributed import (Client, Future, Nanny, Scheduler, SpecCluster, Worker, WorkerPlugin,
@@ -174,21 +176,29 @@ def completed(client: Client, function: Function, pieces: Sequence[Piece],
     submit()
     for future in completed:
         piece, sent = running.pop(future)
-        if not future.cancelled():
-            yield _done(piece, future)
+        done = _done(piece, future)
+        if done is not None:
+            yield done
         elif client.status != 'running':
             raise UserError('the scheduler {} is gone'.format(options.scheduler),
                             'start it again, and go on with --resume')
-        else:           # a worker was killed, and the file with it that it alone had
+        else:
             remaining.append(piece)
             for path in piece.files:
                 copies.pop(path, None)
         submit()
 
 
-def _done(piece: Piece, future: Any) -> Done:
+def _done(piece: Piece, future: Any) -> Optional[Done]:
+    """Return what a piece gave.
+
+    None if a worker was killed, and with it the file that it alone had. The result may have been
+    there, too, and cannot be made again without the file.
+    """
     try:
         return Done(piece, *future.result())
+    except CancelledError:
+        return None
     except KilledWorker:
         return Done(piece, None, 'each worker that ran it has crashed or was killed: a library '
                     'cannot read its files, or it needs more memory than there is', True)

@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 
 import dask
 import pytest
-from distributed import Client
+from distributed import Client, LocalCluster
 
 from img_recog.batch import work_folder
 from img_recog.batch.engine import Engine
@@ -89,6 +89,18 @@ def test_a_library_that_crashes_takes_nothing_with_it_and_its_file_is_named(
     assert '7 of 8 pieces are done and kept in {}; go on'.format(
         tmp_path / 'x.work') in caplog.text
     assert len(kept(tmp_path)) == 7
+
+
+def test_what_a_killed_worker_alone_had_is_copied_again(run, tmp_path):
+    path = tmp_path / 'a.txt'
+    path.touch()
+    pieces = [Piece(str(number), (number, str(tmp_path / 'killed')), (str(path),))
+              for number in range(5, 9)]
+    with LocalCluster(n_workers=1, threads_per_worker=1, host='127.0.0.1', dashboard_address=None,
+                      worker_dashboard_address=None) as cluster:
+        found = run(batch_work.crashes, pieces, scheduler=cluster.scheduler_address, copy=True)
+    assert (tmp_path / 'killed').exists()
+    assert [each.value for each in found] == [5, 6, 7, 8]
 
 
 def test_an_interrupted_run_goes_on_without_doing_anything_twice(run, tmp_path, caplog):
