@@ -23,7 +23,7 @@ def digest(data):
 
 
 def read_video(path):
-    """Return for each frame: digest of its rgb8 bytes; of both colors: areas, digests, lit pixels."""
+    """Return for each frame: digest of its rgb8 bytes; of both colors: areas, digests, lit px."""
     frames = []
     for rgb in opencv_frames(path):
         areas, masked = zip(*plain_opencv.results(rgb[..., ::-1].copy()))
