@@ -9,13 +9,6 @@ from img_recog.errors import (MAX_FOREIGN, MAX_LINE, UserError, named_in_crashes
                               shortened)
 
 
-def test_a_user_error_says_problem_and_advice():
-    error = UserError('cannot open a.mp4', 'give another file')
-    assert str(error) == 'cannot open a.mp4; give another file'
-    assert (error.problem, error.advice) == ('cannot open a.mp4', 'give another file')
-    assert str(UserError('no camera')) == 'no camera' and UserError('no camera').advice == ''
-
-
 @pytest.mark.parametrize('error, text', [
     (ValueError('two\n  lines'), 'two lines'), (KeyError(), 'KeyError'), ('a\tb', 'a b'),
     (FileNotFoundError(2, 'No such file or directory', 'x'), 'No such file or directory'),

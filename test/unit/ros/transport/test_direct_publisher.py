@@ -150,14 +150,6 @@ def test_the_latched_message_is_the_last_one_also_if_a_buffer_is_full(fast, name
     assert subscribe(name, String).receive() == packet(text(1))
 
 
-def test_a_closed_subscriber_is_removed(fast, name, publisher, subscribe):
-    gone, there = subscribe(name, String), subscribe(name, String)
-    gone.sock.close()
-    publisher.publish(text(1))
-    assert there.receive() == packet(text(1))
-    assert publisher.get_num_connections() == 1
-
-
 def test_a_topic_that_rospy_closes_meanwhile(fast, name, publisher, subscribe):
     """At the shutdown of a node, another thread closes its topics step by step."""
     topic = impl_of(name)
