@@ -15,7 +15,9 @@ from img_recog_helpers.processes import Process
 from img_recog_helpers.waiting import DEADLINE_S, stretch, wait_for
 
 SHARED = ('.venv', os.path.join('test', 'data'))        # takes too long to make again
-
+# what the commands do not need: each run of the unit tests loads modules that have examples, and
+# counts lines
+UNUSED = ('batch', 'checks', 'graph', 'loading', 'rendering', 'replay')
 
 RUN_TIMEOUT_S = 180.0
 
@@ -26,6 +28,8 @@ def copied(folder):
     shutil.copytree(ROOT, path, symlinks=True, ignore=shutil.ignore_patterns(
         'build', 'devel', '.git', '.venv', '.hypothesis', 'data', '__pycache__', 'unit',
         'test_*.py'))
+    for name in UNUSED:
+        shutil.rmtree(os.path.join(path, 'src', 'img_recog', name))
     commands = os.path.join('test', 'unit', 'recognition', 'test_commands.py')
     os.makedirs(os.path.dirname(os.path.join(path, commands)))
     shutil.copy(os.path.join(ROOT, commands), os.path.join(path, commands))
