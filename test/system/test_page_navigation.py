@@ -163,6 +163,7 @@ def positions(ros):
 
 
 def test_a_visitor_chooses_a_robot_and_drives_only_that_one(demo, page):
+    """The last test of this file: it removes a robot."""
     page.resize(*DESK)
     page.tab('live')
     wait_for(lambda: page.pixels('/tb3_0/usb_cam/image_raw'), 'a picture of the first robot')
