@@ -3,7 +3,6 @@ import contextlib
 import itertools
 import os
 import re
-import select
 import threading
 
 import genpy
@@ -80,8 +79,7 @@ class Echo:
                 self._buffer_bytes, self._caller)) as messages:
             self.is_connected.set()
             while not self._has_ended.is_set():
-                if self._may_read.wait(_POLL_S) and select.select([messages.sock], [], [],
-                                                                  _POLL_S)[0]:
+                if self._may_read.wait(_POLL_S) and messages.wait(_POLL_S):
                     self.rows += [self.row(msg, self._path[len(topic):])
                                   for msg in messages.read()]
 

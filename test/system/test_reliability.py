@@ -1,16 +1,19 @@
 """Short forms of ./run chaos and ./run test --long, which use the same functions."""
+import contextlib
 import re
 
 import pytest
+from std_msgs.msg import String
 
 from img_recog.ros.transport.switch import is_plain
+from img_recog_helpers import wire
 from img_recog_helpers.reliability import (chaos, endings, figures, files, images, long_tests,
                                            soak, surroundings, twists)
 from img_recog_helpers.reliability.demo import NODES, START_LIMIT_S, STOP_LIMIT_S, Demo
 from img_recog_helpers.reliability.faults import KINDS, Fault, possible
 from img_recog_helpers.reliability.parts import PARTS, Options
 from img_recog_helpers.reliability.nodes import Nodes
-from img_recog_helpers.waiting import stretch
+from img_recog_helpers.waiting import DEADLINE_S, stretch
 
 # with plain rospy, a subscriber that gets damaged bytes loses its connection
 NOT_PLAIN = pytest.mark.skipif(is_plain('registration'), reason='plain rospy')
@@ -107,6 +110,15 @@ def test_a_few_stops_and_kills():
 
 
 # The tools themselves
+
+def test_what_comes_together_with_the_answer_to_a_subscriber_is_read(roscore):
+    publisher = wire.RawPublisher(roscore.master_uri, '/latched', String, first=String('a'))
+    with contextlib.closing(wire.Subscription(roscore.master_uri, wire.CALLER, '/latched',
+                                              String)) as subscription:
+        assert subscription.wait(DEADLINE_S)
+        assert [msg.data for msg in subscription.read()] == ['a']
+    publisher.close()
+
 
 def test_a_seed_repeats_the_faults():
     first, second, other = (
