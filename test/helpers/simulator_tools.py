@@ -3,6 +3,7 @@ import contextlib
 import itertools
 import os
 import re
+import select
 import threading
 
 import genpy
@@ -79,7 +80,8 @@ class Echo:
                 self._buffer_bytes, self._caller)) as messages:
             self.is_connected.set()
             while not self._has_ended.is_set():
-                if self._may_read.wait(_POLL_S) and messages.wait(_POLL_S):
+                if self._may_read.wait(_POLL_S) and select.select([messages.sock], [], [],
+                                                                  _POLL_S)[0]:
                     self.rows += [self.row(msg, self._path[len(topic):])
                                   for msg in messages.read()]
 

@@ -4,7 +4,6 @@ They also do not depend on a master that has to stay alive, as a node of rospy d
 """
 import contextlib
 import io
-import select
 import socket
 import struct
 import threading
@@ -97,28 +96,22 @@ class Subscription:
             network.write_ros_handshake_header(self.sock, {
                 'callerid': caller, 'topic': topic, 'type': data_class._type,
                 'md5sum': data_class._md5sum, 'tcp_nodelay': '1'})
-            begin = io.BytesIO()
-            answer = network.read_ros_handshake_header(self.sock, begin, 4096)
+            # byte by byte: a latched message may come together with the answer, and stays in the
+            # socket, on which users of this class wait
+            answer = network.read_ros_handshake_header(self.sock, io.BytesIO(), 1)
             if 'error' in answer:
                 raise ValueError(answer['error'])
-            # what is latched may have come together with the answer
-            self._data = bytearray(begin.getvalue())
-            self._has_more = bool(self._data)
+            self._data = bytearray()
         except BaseException:
             self.sock.close()
             raise
         self.sock.setblocking(False)
-
-    def wait(self, timeout_s: float) -> bool:
-        """Wait until more has arrived, or the time is over; return whether there is more."""
-        return self._has_more or bool(select.select([self.sock], [], [], timeout_s)[0])
 
     def read(self) -> list:
         """Return messages that have arrived; raises one of ERRORS at the end.
 
         These are all, unless they are more than 16 MB.
         """
-        self._has_more = False
         with contextlib.suppress(BlockingIOError):
             for _ in range(_MOST_PIECES):
                 piece = self.sock.recv(_BUFFER_BYTES)
