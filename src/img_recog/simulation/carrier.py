@@ -71,7 +71,7 @@ class Carrier:
         self._sensors[sensor.name] = ScheduledSensor(
             sensor.name, kind.name, kind.period_steps(settings, self._world.step_s),
             kind.make(Mount(self.robot, self._world, noise, drive, mount, link,
-                            sensor.values.get(kind.name + '_noises', ())), settings))
+                            sensor.values.get(kind.name + '_noises', ())), settings), noise)
         self._sensors[sensor.name].enabled = not kind.is_drawn
 
     @property
@@ -148,6 +148,12 @@ class Carrier:
         """Let the sensors begin anew."""
         for scheduled in self._sensors.values():
             scheduled.sensor.restart()
+
+    def restart_noise(self) -> None:
+        """Let the noise of the sensors begin anew, as when time does."""
+        for scheduled in self._sensors.values():
+            scheduled.restart_noise()
+        self._steps = None
 
     def notify_teleported(self) -> None:
         """Call after the robot was moved from outside."""

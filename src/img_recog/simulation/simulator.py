@@ -175,9 +175,14 @@ class Simulator:
             carrier.reset()
 
     def reset_simulation(self) -> None:
-        """Do what `reset_world` does, and set the time to 0."""
+        """Do what `reset_world` does, set the time to 0 and let all noise begin anew.
+
+        Equal commands then give equal motion and readings, to the last bit.
+        """
         self.reset_world()
         self._steps = 0
+        for carrier in self._carriers:
+            carrier.restart_noise()
 
 
 def _read_together(sensors: Sequence[Sensor]) -> List[Any]:

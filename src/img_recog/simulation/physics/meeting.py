@@ -37,6 +37,8 @@ class Meeting:
     def __init__(self, physics_client_id: int):
         self._client = {'physicsClientId': physics_client_id}
         self._apart: Set[_Pair] = set()
+        # groups and mask of each link with solids
+        self._masks: Dict[Tuple[int, int], Tuple[int, int]] = {}
 
     def add(self, bodies: Sequence[FramedBody]) -> None:
         """Add the bodies of a model."""
@@ -60,20 +62,32 @@ class Meeting:
         for pair in gone:
             pybullet.setCollisionFilterPair(*pair, 1, **self._client)
         self._apart -= gone
+        self._masks = {link: each for link, each in self._masks.items()
+                       if link[0] != body.body_id}
+
+    def forget_contacts(self) -> None:
+        """Let the next step begin without contacts of an earlier one.
+
+        PyBullet begins with their forces, which would make a difference after a reset. It forgets
+        what a link touches when its mask is set. Then the link has a new number, and contacts are
+        computed in the order of these numbers.
+        """
+        for link, masks in self._masks.items():
+            pybullet.setCollisionFilterGroupMask(*link, *masks, **self._client)
 
     def _set_masks(self, body: FramedBody) -> None:
         indices = link_indices(body.body_id, body.physics_client_id)
         static = links_of_base(body.body_id, body.physics_client_id) if body.fixed else ()
         for link in body.model.links:
             # all solids of a link have one mask in PyBullet
-            for solid in link.solids[:1]:
-                if solid.bitmask == ALL_BITS and indices[link.name] in static:
+            for solid, name in itertools.product(link.solids[:1], (link.name, link.name + ACROSS)):
+                if name in indices:
+                    masks = groups_and_mask(solid.bitmask)
+                    if solid.bitmask == ALL_BITS and indices[name] in static:
+                        masks = _STATIC, ~_STATIC
+                    self._masks[body.body_id, indices[name]] = masks
                     pybullet.setCollisionFilterGroupMask(
-                        body.body_id, indices[link.name], _STATIC, ~_STATIC, **self._client)
-                elif solid.bitmask != ALL_BITS:
-                    pybullet.setCollisionFilterGroupMask(
-                        body.body_id, indices[link.name], *groups_and_mask(solid.bitmask),
-                        **self._client)
+                        body.body_id, indices[name], *masks, **self._client)
 
     def _keep_apart(self, one: FramedBody, other: FramedBody) -> None:
         """Let links of two bodies of a model, or of one, only meet where Gazebo lets them."""

@@ -60,6 +60,7 @@ class World:
                                            physicsClientId=physics_client_id)
         stiffness.set_up(physics_client_id, settings.step_s)
         self._pairs, self._pairs_revision = friction.Pairs(physics_client_id), -1
+        self._is_at_start = True
         self.floor: Optional[FramedBody] = None
         if file.has_floor:
             (_, self.floor), = load_bodies([FLOOR], physics_client_id)
@@ -89,7 +90,7 @@ class World:
             if any(tree.positions.values()):
                 body.start = body.start._replace(joints=[
                     tree.positions.get(joint, 0.0) for joint in body.joints])
-                body.reset()
+            body.reset()        # PyBullet has rounded in another way
             self._set_dynamics(body)
             if body.fixed and body.joints:
                 for plane in planes:
@@ -98,6 +99,7 @@ class World:
                 lifted = standing.lift(body, planes)
                 if lifted.onto:
                     body.start = body.pose()
+                    body.reset()
                     self.lifted[body.name] = lifted.height_m
         self.bodies += [body for _, body in loaded]
         self.file = self.file._replace(trees=(*self.file.trees, *(tree for tree, _ in loaded)))
@@ -184,6 +186,9 @@ class World:
 
     def step(self, count: int = 1) -> None:
         """Advance the physics by a number of steps."""
+        if self._is_at_start:
+            self._is_at_start = False
+            self._meeting.forget_contacts()
         if self._pairs_revision != self.revision:
             self._pairs_revision = self.revision
             self._pairs.refresh()
@@ -218,6 +223,7 @@ class World:
         self._pairs.reset()
         for directions in self._directions.values():
             directions.reset()
+        self._is_at_start = True
 
     def notify_changed(self) -> None:
         """Call after a body was added or removed."""

@@ -76,10 +76,11 @@ class Imu(Sensor):
         self._robot, self._frame = mount.robot, mount.frame('imu_frame', settings.imu_frame)
         self._period_s = settings.imu_period_s
         given = mount.file_noises or (Noise(),) * _AXES
-        self._noise = _rows(
+        self._distribution = (
             mount.noise, np.array([each.offset(mount.noise) for each in given]),
             np.hypot(np.repeat((settings.gyro_noise, settings.accel_noise), 3),
                      [each.deviation for each in given]))
+        self.forget_noise()
         self._rounded = [(number, each) for number, each in enumerate(given) if each.precision]
         self._world, self._share = mount.world, float(settings.imu_gravity)
         self.restart()
@@ -96,6 +97,10 @@ class Imu(Sensor):
         """Pass over the noise of readings that are not made."""
         for _ in range(readings):
             next(self._noise)
+
+    def forget_noise(self) -> None:
+        """Draw the next noise anew."""
+        self._noise = _rows(*self._distribution)
 
     def read(self) -> ImuReading:
         """Return what the unit measures now; to be called once a period."""

@@ -31,6 +31,9 @@ class Sensor(abc.ABC):
     def skip_noise(self, readings: int) -> None:
         """Pass over the noise of readings that are not made; does nothing where there is none."""
 
+    def forget_noise(self) -> None:
+        """Forget noise that was drawn ahead; does nothing where none is."""
+
 
 class Mount(NamedTuple):
     """What a sensor is made for.
@@ -165,13 +168,20 @@ def numbered(kind: SensorKind, number: int) -> str:
 class ScheduledSensor:
     """A sensor with its name, its kind and its period; it is read only while it is enabled.
 
-    skipped_from: the step of the physics from which on its readings were not made, while it is
+    noise: its random generator; skipped_from: the step of the physics from which on its readings were not made, while it is
     disabled.
     """
 
-    def __init__(self, name: str, kind: str, period_steps: int, sensor: Sensor):
+    def __init__(self, name: str, kind: str, period_steps: int, sensor: Sensor,
+                 noise: np.random.RandomState):
         self.name, self.kind, self.period_steps, self.sensor = name, kind, period_steps, sensor
         self.enabled, self.skipped_from = True, 0
+        self._noise, self._state_at_start = noise, noise.get_state()
+
+    def restart_noise(self) -> None:
+        """Let the next noise be the first one."""
+        self._noise.set_state(self._state_at_start)
+        self.sensor.forget_noise()
 
     def skip_until(self, steps: int) -> None:
         """Let the next noise be the one that it is if all readings up to a step were made."""
