@@ -65,8 +65,9 @@ def test_image_view_shows_the_blue_part(ros, wait_shares):
     ros.start_node('usb_cam_node.py', '_video_device:=synthetic')
     ros.start_node('color_img_recog.py')
     ros.start(find_node('image_view', 'image_view')[0], 'image:=/blue_image')
-    wait_shares({'blue': ((0, 40, 180), (60, 100, 255)), 'red': ((180, 0, 30), (255, 60, 90))},
-                lambda found: found['blue'] > 0.01 and found['red'] == 0)
+    wait_shares({'blue': ((0, 40, 180), (60, 100, 255)), 'red': ((180, 0, 30), (255, 60, 90)),
+                 'wall': ((200, 195, 185), (212, 205, 195))},
+                lambda found: found['blue'] > 0.01 and found['red'] == found['wall'] == 0)
 
 
 USB_CAM_LAUNCH = """<launch>

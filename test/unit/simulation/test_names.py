@@ -13,3 +13,4 @@ def test_the_names_of_a_camera():
         'tb3_1/eye/image', '/eye/info', '')
     assert (camera.camera_frame, camera.camera_optical_frame) == (
         'one/camera_link', 'one/camera_rgb_optical_frame')
+    assert Names('tb3_1', 'one').seen(CameraSettings()).camera_frame == ''
