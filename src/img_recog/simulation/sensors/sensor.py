@@ -168,8 +168,8 @@ def numbered(kind: SensorKind, number: int) -> str:
 class ScheduledSensor:
     """A sensor with its name, its kind and its period; it is read only while it is enabled.
 
-    noise: its random generator; skipped_from: the step of the physics from which on its readings were not made, while it is
-    disabled.
+    noise: its random generator. skipped_from: the step of the physics from which on its readings
+    were not made, while it is disabled.
     """
 
     def __init__(self, name: str, kind: str, period_steps: int, sensor: Sensor,
