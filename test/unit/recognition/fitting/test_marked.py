@@ -140,5 +140,7 @@ def test_lines_around_the_samples(kept):
     assert len(ball) < 60
     for x, y in ball:
         assert np.hypot(x * WIDTH - 40.5, y * HEIGHT - 60.5) == pytest.approx(25, abs=2.5)
-    assert sorted(rectangle) == pytest.approx(np.array(
-        [(0.6, 0.3), (0.6, 0.7), (0.8, 0.3), (0.8, 0.7)]), abs=0.01)
+    # from the middle of the first pixel to that of the last one
+    assert [(x * WIDTH, y * HEIGHT) for x, y in sorted(rectangle)] == [
+        pytest.approx(corner, abs=0.02) for corner in (
+            (96.5, 36.5), (96.5, 83.5), (127.5, 36.5), (127.5, 83.5))]

@@ -58,6 +58,7 @@ def test_a_screw_stops_at_a_limit_of_its_angle():
     ('', '', -0.5), ('<gearbox_ratio>2', '<gearbox_ratio>-3', 1 / 3), (RATIO, '', -1.0),
     (BEARER, '', -0.5),
     ('<axis2><xyz>0 0 1', '<axis2><xyz>0 0 -1', 0.5),
+    ('<child>a</child><axis><xyz>0 0 1', '<child>a</child><axis><xyz>0 0 -1', 0.5),
     ('<parent>b</parent><child>a</child>', '<parent>a</parent><child>b</child>', -2.0),
     ('<parent>base</parent><child>b</child><axis><xyz>0 0 1',
      '<parent>base</parent><child>b</child><axis><xyz>0 0 -1', 0.5),
