@@ -368,6 +368,7 @@ def test_the_graph_has_the_nodes_of_the_article(demo, page):
         'return image && image.naturalWidth > 100 && image.src'), 'a drawn graph')
     fetch = ('const request = new XMLHttpRequest(); request.open("GET", arguments[0], false);'
              'request.send(); return request.responseText')
+    assert 'dark=0' in source
     names = ('/usb_cam', '/color_extract', '/gazebo', '/turtlebot3_teleop_keyboard',
              '/usb_cam/image_raw', '/blue_image', '/red_image', '/cmd_vel')
     # a node that is slow to answer is drawn as one that does not answer
@@ -480,6 +481,9 @@ def test_two_browsers_of_which_one_drives_and_both_stop(demo, page, phone):
     first.hold_key('w', False)
     assert second.js('return document.body.classList.contains("body--dark")')
     assert second.js('return document.documentElement.scrollWidth <= innerWidth')
+    second.tab('graph')
+    wait_for(lambda: 'dark=1' in second.js(
+        'return document.querySelector("[data-graph]")?.src || ""'), 'a dark graph')
 
 
 def test_the_robot_stops_when_a_browser_that_drives_it_goes_away(demo, page):
