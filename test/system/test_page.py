@@ -220,7 +220,7 @@ def test_a_held_key_ends_with_the_connection(demo, page):
 
 
 @pytest.mark.parametrize('size', [DESK, PHONE])
-def test_camera_and_color_are_in_sight_while_a_slider_of_the_color_is_touched(page, size):
+def test_pictures_and_save_are_in_sight_while_a_slider_of_the_color_is_touched(page, size):
     # before the tests that save files: the names of these cover the pictures for ten seconds
     page.resize(*size)
     page.tab('colors')
@@ -232,8 +232,10 @@ def test_camera_and_color_are_in_sight_while_a_slider_of_the_color_is_touched(pa
                      lambda: page.js(IN_SIGHT, seen), 'the picture of ' + seen)
         assert page.js(IN_SIGHT, CAMERA) and not page.js(IN_SIGHT, hidden)
         assert page.js('return innerWidth') == size[0]
-        assert page.js(slider + 'const box = slider.getBoundingClientRect();'
-                       'return box.top >= 0 && box.bottom <= innerHeight', number)
+        for element in 'slider', 'document.querySelector(".at-hand")':
+            assert page.js(slider + 'const box = {}.getBoundingClientRect();'
+                           'return box.top >= 0 && box.bottom <= innerHeight'.format(element),
+                           number), element
 
 
 def test_a_slider_changes_the_areas_and_a_file_gets_them(demo, page):
