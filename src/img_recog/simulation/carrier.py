@@ -45,7 +45,7 @@ class Carrier:
         self.settings = dataclasses.replace(spec.settings, sensors={
             each.name: _with_root(spec.settings.sensors.get(each.name) or each.kind.settings(),
                                   robot.model.root) for each in self.sensors})
-        self._drive_steps = _NEVER
+        self._drive_steps, self._drives_from = _NEVER, 0
         self._sensors: Dict[str, ScheduledSensor] = {}
         self.missing_sensors: Dict[str, str] = {}
         for each in self.sensors:
@@ -103,7 +103,7 @@ class Carrier:
         """Do what is due after `steps` steps of the physics, before the next one."""
         if self._steps is None or steps < self._steps:
             self._begin(steps)
-        if steps % self._drive_steps == 0:
+        if (steps - self._drives_from) % self._drive_steps == 0:
             self._act()
 
     def _act(self) -> None:
@@ -124,7 +124,7 @@ class Carrier:
 
     def next_event(self, steps: int) -> int:
         """Return the first step after `steps` at which something is due."""
-        wait = self._drive_steps - steps % self._drive_steps
+        wait = self._drive_steps - (steps - self._drives_from) % self._drive_steps
         for scheduled in self._enabled:
             remaining = scheduled.period_steps - steps % scheduled.period_steps
             if remaining < wait:
@@ -145,7 +145,8 @@ class Carrier:
                     for each in self._enabled if each.kind in kinds), default=None)
 
     def reset(self) -> None:
-        """Let the sensors begin anew."""
+        """Let the sensors and the periods of the drive begin anew."""
+        self._drives_from = self._steps or 0
         for scheduled in self._sensors.values():
             scheduled.sensor.restart()
 
@@ -153,7 +154,7 @@ class Carrier:
         """Let the noise of the sensors begin anew, as when time does."""
         for scheduled in self._sensors.values():
             scheduled.restart_noise()
-        self._steps = None
+        self._steps, self._drives_from = None, 0
 
     def notify_teleported(self) -> None:
         """Call after the robot was moved from outside."""

@@ -64,7 +64,7 @@ class Waiting:
     def discard_commands(self) -> None:
         """Drop the commands that were not applied yet, and in lockstep those that will answer."""
         self._robots.discard_commands()
-        self._is_reset = self._lockstep is not None
+        self._is_reset = self._lockstep is not None and self._is_due
 
     def restart(self) -> None:
         """Let the time without an answer begin now, as after a pause."""

@@ -68,9 +68,9 @@ class Body:
 
     body_id, physics_client_id: PyBullet's; fixed: whether the root link never moves; links: link
     indices, -1 for the base; joints: index of each movable joint by name; root: name of the root
-    link; name: of the model; start: where `reset` moves it; is_terrain: whether it is a
-    heightmap, whose shape PyBullet does not tell; is_plane: whether it is an infinite plane;
-    was_moved: whether it is fixed, and was moved from outside.
+    link; name: of the model; is_terrain: whether it is a heightmap, whose shape PyBullet does not
+    tell; is_plane: whether it is an infinite plane; was_moved: whether it is fixed, and was moved
+    from outside.
     """
 
     is_terrain = is_plane = was_moved = False
@@ -91,7 +91,7 @@ class Body:
         self.mass_in_root = pybullet.getDynamicsInfo(
             body_id, -1, physicsClientId=physics_client_id)[3:5]
         self._root_in_mass = pybullet.invertTransform(*self.mass_in_root)
-        self.start = self.pose()
+        self.keep_as_start()
 
     def release(self, joints: Sequence[Joint], driven: Container[int] = ()) -> None:
         """Switch off the motors of the joints but those that are held; PyBullet holds all.
@@ -153,13 +153,16 @@ class Body:
 
     def place(self, pose: BodyPose) -> None:
         """Move the parts to `pose`, at rest."""
-        center, turned = pybullet.multiplyTransforms(pose.position, pose.orientation,
-                                                     *self.mass_in_root)
-        pybullet.resetBasePositionAndOrientation(self.body_id, center, turned,
+        center = pybullet.multiplyTransforms(pose.position, pose.orientation, *self.mass_in_root)
+        self._place(center, pose.joints)
+
+    def _place(self, center: Tuple[Vector, Quaternion], joints: Sequence[float]) -> None:
+        """Move the parts, at rest; center: the pose of the frame of the base's center of mass."""
+        pybullet.resetBasePositionAndOrientation(self.body_id, *center,
                                                  physicsClientId=self.physics_client_id)
         pybullet.resetBaseVelocity(self.body_id, (0, 0, 0), (0, 0, 0),
                                    physicsClientId=self.physics_client_id)
-        for joint, position in zip(self.joints.values(), pose.joints):
+        for joint, position in zip(self.joints.values(), joints):
             pybullet.resetJointState(self.body_id, joint, position, 0.0,
                                      physicsClientId=self.physics_client_id)
 
@@ -191,8 +194,15 @@ class Body:
         pybullet.resetBaseVelocity(self.body_id, *velocity, **client)
 
     def reset(self) -> None:
-        """Move the parts back to `start`, at rest; that is where they were when it was loaded."""
-        self.place(self.start)
+        """Move the parts back to their start, at rest: to the last bit, which `place` rounds."""
+        self._place(*self._start)
+
+    def keep_as_start(self) -> None:
+        """Let `reset` move the parts to where they are now; that is where they were loaded."""
+        center = pybullet.getBasePositionAndOrientation(self.body_id,
+                                                        physicsClientId=self.physics_client_id)
+        self._start = center, [value[0] for value in self.joint_values()]
+        self._place(*self._start)       # PyBullet rounds an orientation when it is set
 
     def motion(self) -> Motion:
         """Return the motion of the root link's frame."""

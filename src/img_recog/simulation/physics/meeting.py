@@ -69,9 +69,12 @@ class Meeting:
         """Let the next step begin without contacts of an earlier one.
 
         PyBullet begins with their forces, which would make a difference after a reset. It forgets
-        what a link touches when its mask is set. Then the link has a new number, and contacts are
-        computed in the order of these numbers.
+        what a link touches when its mask is set; at first all meet nothing, so that nothing old is
+        left among the new pairs. Then each link has a new number, and contacts are computed in the
+        order of these numbers.
         """
+        for link in self._masks:
+            pybullet.setCollisionFilterGroupMask(*link, 0, 0, **self._client)
         for link, masks in self._masks.items():
             pybullet.setCollisionFilterGroupMask(*link, *masks, **self._client)
 

@@ -58,7 +58,6 @@ class SimulatedRobot(FramedBody):
             (*(name for _, name in right_first), *self.joints))}
         self._torques = (motors.torque,) * len(self._wheels)
         self._set_dynamics(model, motors.slides)
-        self.start = self.pose()
         self.reset()
 
     def reset(self) -> None:

@@ -55,9 +55,11 @@ class World:
         self.lifted: Dict[str, float] = {}
         pybullet.setTimeStep(settings.step_s, physicsClientId=physics_client_id)
         self.set_gravity(file.gravity)
-        # contacts in a fixed order, so that equal commands give equal trajectories
-        pybullet.setPhysicsEngineParameter(deterministicOverlappingPairs=1,
-                                           physicsClientId=physics_client_id)
+        # Contacts in a fixed order, so that equal commands give equal trajectories; and each group
+        # of bodies that touch by itself, as ODE does, which makes 60 crates three times as fast.
+        pybullet.setPhysicsEngineParameter(
+            deterministicOverlappingPairs=1, minimumSolverIslandSize=1,
+            physicsClientId=physics_client_id)
         stiffness.set_up(physics_client_id, settings.step_s)
         self._pairs, self._pairs_revision = friction.Pairs(physics_client_id), -1
         self._is_at_start = True
@@ -88,9 +90,9 @@ class World:
         planes = self._planes(body for _, body in loaded)
         for tree, body in loaded:
             if any(tree.positions.values()):
-                body.start = body.start._replace(joints=[
-                    tree.positions.get(joint, 0.0) for joint in body.joints])
-            body.reset()        # PyBullet has rounded in another way
+                for joint in body.joints:
+                    body.set_joint(joint, tree.positions.get(joint, 0.0))
+                body.keep_as_start()
             self._set_dynamics(body)
             if body.fixed and body.joints:
                 for plane in planes:
@@ -98,8 +100,7 @@ class World:
             elif not body.fixed:
                 lifted = standing.lift(body, planes)
                 if lifted.onto:
-                    body.start = body.pose()
-                    body.reset()
+                    body.keep_as_start()
                     self.lifted[body.name] = lifted.height_m
         self.bodies += [body for _, body in loaded]
         self.file = self.file._replace(trees=(*self.file.trees, *(tree for tree, _ in loaded)))
