@@ -203,6 +203,12 @@ def test_the_readme_is_short():
     assert len(read('README.md').splitlines()) <= 150
 
 
+@pytest.mark.parametrize('script', sorted(os.listdir(os.path.join(ROOT, 'scripts'))))
+def test_a_script_is_in_the_reference_if_users_start_it(script):
+    launched = ''.join(read(path) for path in glob.glob(os.path.join(LAUNCH_FOLDER, '*.launch')))
+    assert script in REFERENCE + launched, 'add a row to "Programs" in doc/reference.md'
+
+
 @pytest.mark.parametrize('path', paths())
 def test_link_targets_exist(path):
     for link in links(read(path)):

@@ -1,9 +1,11 @@
 """The signals that end a program."""
 import atexit
 import contextlib
+import os
 import signal
 import sys
-from typing import Any, Iterator, Optional, Sequence
+import threading
+from typing import Any, Callable, Iterator, Optional, Sequence
 
 ENDING = signal.SIGINT, signal.SIGTERM, signal.SIGHUP
 
@@ -17,6 +19,25 @@ def handle(handler: Any, signums: Sequence[int] = ENDING) -> None:
     for signum in signums:
         if signum != signal.SIGHUP or signal.getsignal(signum) != signal.SIG_IGN:
             signal.signal(signum, handler)
+
+
+def act_at_once(action: Callable[[int], None]) -> None:
+    """Call `action` with the number of each signal that ends the program: twice, in two threads.
+
+    The main thread calls it when it runs Python code again. For a signal that comes just before it
+    begins to wait in a library, that is when the wait ends; so another thread calls it, too.
+    """
+    reader, writer = os.pipe()
+    os.set_blocking(writer, False)
+    signal.set_wakeup_fd(writer, warn_on_full_buffer=False)
+    handle(lambda signum, _: action(signum))
+
+    def wait() -> None:
+        while True:
+            for signum in os.read(reader, 64):
+                if signum in ENDING:
+                    action(signum)
+    threading.Thread(target=wait, name='signals', daemon=True).start()
 
 
 @contextlib.contextmanager

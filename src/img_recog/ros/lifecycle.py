@@ -61,7 +61,7 @@ def run(name: str, serve: Callable[[], None],
     master_watch.start(on_shutdown)
     reasons: 'queue.Queue[str]' = queue.Queue()
     rospy.core.add_preshutdown_hook(reasons.put)
-    signals.handle(_shut_down)
+    signals.act_at_once(_shut_down)
     code = _run(serve)
     if code:
         rospy.signal_shutdown('exit code {}'.format(code))
@@ -153,5 +153,5 @@ def leave_blocked_threads(code: int) -> None:
     os._exit(code)
 
 
-def _shut_down(number: int, _) -> None:
+def _shut_down(number: int) -> None:
     threading.Thread(target=rospy.signal_shutdown, args=('signal {}'.format(number),)).start()

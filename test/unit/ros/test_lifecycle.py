@@ -133,7 +133,7 @@ def test_errors_in_rospy_during_a_shutdown_are_no_mistake(exit_code, monkeypatch
 
 # a node on whose end the master does not answer rospy, and maybe not its own thread either
 _BLOCKED = '''
-import os, signal, sys, threading
+import ctypes, os, signal, sys, threading
 import rospy
 from img_recog.ros import lifecycle
 lifecycle.END_LIMIT_S = 0.1
@@ -141,6 +141,11 @@ lifecycle.rosout.init_node = lambda *_, **__: None
 lifecycle.master_watch.start = lambda _: None
 rospy.core.add_shutdown_hook(lambda _: threading.Event().wait())
 def serve():
+    if sys.argv[1] == 'sleeps':      # in a library, before the signal comes and for ever
+        threading.Timer(0.2, os.kill, (os.getpid(), signal.SIGINT)).start()
+        mutex, library = ctypes.create_string_buffer(64), ctypes.CDLL(None)
+        while True:
+            library.pthread_mutex_lock(mutex)
     if sys.argv[1] != 'fails':
         os.kill(os.getpid(), signal.SIGINT)
     if sys.argv[1] == 'waits':
@@ -154,7 +159,7 @@ sys.exit(lifecycle.run('node', serve))
 
 @pytest.mark.parametrize('how, output, is_supervised, code', [
     ('returns', 'served', False, 0), ('returns', 'served', True, 77), ('waits', '', False, 0),
-    ('waits', '', True, 77), ('fails', '', False, 70)])
+    ('waits', '', True, 77), ('fails', '', False, 70), ('sleeps', '', False, 0)])
 def test_a_node_ends_while_the_master_does_not_answer(monkeypatch, how, output, is_supervised,
                                                       code):
     if is_supervised:
