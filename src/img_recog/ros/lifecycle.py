@@ -154,4 +154,6 @@ def leave_blocked_threads(code: int) -> None:
 
 
 def _shut_down(number: int) -> None:
-    threading.Thread(target=rospy.signal_shutdown, args=('signal {}'.format(number),)).start()
+    # the process waits for it at its end, unlike for the thread that calls this
+    threading.Thread(target=rospy.signal_shutdown, args=('signal {}'.format(number),),
+                     daemon=False).start()

@@ -169,3 +169,31 @@ def test_a_node_ends_while_the_master_does_not_answer(monkeypatch, how, output, 
     done = subprocess.run([sys.executable, '-c', _BLOCKED, how], stdout=subprocess.PIPE,
                           universal_newlines=True, timeout=DEADLINE_S)
     assert (done.returncode, done.stdout) == (code, output)
+
+
+# a node whose main thread waits in a library, until its own hook wakes it
+_WOKEN = '''
+import ctypes, os, signal, sys, threading, time
+import rospy
+from img_recog.ros import lifecycle
+lifecycle.rosout.init_node = lambda *_, **__: None
+lifecycle.master_watch.start = lambda _: None
+mutex, library = ctypes.create_string_buffer(64), ctypes.CDLL(None)
+def unregister(_):
+    time.sleep(0.5)
+    sys.stdout.write('unregistered')
+rospy.core.add_shutdown_hook(unregister)
+def serve():
+    lifecycle.on_shutdown(lambda: library.pthread_mutex_unlock(mutex))
+    library.pthread_mutex_lock(mutex)
+    threading.Timer(0.2, os.kill, (os.getpid(), signal.SIGINT)).start()
+    library.pthread_mutex_lock(mutex)
+sys.exit(lifecycle.run('node', serve))
+'''
+
+
+def test_a_node_is_unregistered_before_it_ends_at_a_signal(monkeypatch):
+    monkeypatch.delenv('IMG_RECOG_RESPAWN', raising=False)
+    done = subprocess.run([sys.executable, '-c', _WOKEN], stdout=subprocess.PIPE,
+                          universal_newlines=True, timeout=DEADLINE_S)
+    assert (done.returncode, done.stdout) == (0, 'unregistered')
