@@ -101,7 +101,7 @@ class Carrier:
 
     def before_step(self, steps: int) -> None:
         """Do what is due after `steps` steps of the physics, before the next one."""
-        if self._steps is None or steps < self._steps:
+        if self._steps is None:
             self._begin(steps)
         if (steps - self._drives_from) % self._drive_steps == 0:
             self._act()
@@ -112,8 +112,6 @@ class Carrier:
     def _begin(self, steps: int) -> None:
         """Count the readings that are not made from a step on: the first, or after a reset."""
         for scheduled in self._sensors.values():
-            if self._steps is not None and not scheduled.enabled:
-                scheduled.skip_until(self._steps)
             scheduled.skipped_from = steps
         self._steps = steps
 
