@@ -177,7 +177,8 @@ class Simulator:
     def reset_simulation(self) -> None:
         """Do what `reset_world` does, set the time to 0 and let all noise begin anew.
 
-        Equal commands then give equal motion and readings, to the last bit.
+        Equal commands then give equal motion and readings, to the last bit unless many jointed
+        models touch one another.
         """
         self.reset_world()
         self._steps = 0

@@ -131,19 +131,24 @@ def test_errors_in_rospy_during_a_shutdown_are_no_mistake(exit_code, monkeypatch
     assert exit_code(serve) == code
 
 
-# a node on whose end the master does not answer rospy, and maybe not its own thread either
-_BLOCKED = '''
-import ctypes, os, signal, sys, threading
+# without a master, and with a lock in which the main thread waits without running Python code
+_NODE = '''
+import ctypes, os, signal, sys, threading, time
 import rospy
 from img_recog.ros import lifecycle
-lifecycle.END_LIMIT_S = 0.1
 lifecycle.rosout.init_node = lambda *_, **__: None
 lifecycle.master_watch.start = lambda _: None
+mutex, library = ctypes.create_string_buffer(64), ctypes.CDLL(None)
+def interrupt_soon():
+    threading.Timer(0.2, os.kill, (os.getpid(), signal.SIGINT)).start()
+'''
+# a node on whose end the master does not answer rospy, and maybe not its own thread either
+_BLOCKED = _NODE + '''
+lifecycle.END_LIMIT_S = 0.1
 rospy.core.add_shutdown_hook(lambda _: threading.Event().wait())
 def serve():
     if sys.argv[1] == 'sleeps':      # in a library, before the signal comes and for ever
-        threading.Timer(0.2, os.kill, (os.getpid(), signal.SIGINT)).start()
-        mutex, library = ctypes.create_string_buffer(64), ctypes.CDLL(None)
+        interrupt_soon()
         while True:
             library.pthread_mutex_lock(mutex)
     if sys.argv[1] != 'fails':
@@ -172,13 +177,7 @@ def test_a_node_ends_while_the_master_does_not_answer(monkeypatch, how, output, 
 
 
 # a node whose main thread waits in a library, until its own hook wakes it
-_WOKEN = '''
-import ctypes, os, signal, sys, threading, time
-import rospy
-from img_recog.ros import lifecycle
-lifecycle.rosout.init_node = lambda *_, **__: None
-lifecycle.master_watch.start = lambda _: None
-mutex, library = ctypes.create_string_buffer(64), ctypes.CDLL(None)
+_WOKEN = _NODE + '''
 def unregister(_):
     time.sleep(0.5)
     sys.stdout.write('unregistered')
@@ -186,7 +185,7 @@ rospy.core.add_shutdown_hook(unregister)
 def serve():
     lifecycle.on_shutdown(lambda: library.pthread_mutex_unlock(mutex))
     library.pthread_mutex_lock(mutex)
-    threading.Timer(0.2, os.kill, (os.getpid(), signal.SIGINT)).start()
+    interrupt_soon()
     library.pthread_mutex_lock(mutex)
 sys.exit(lifecycle.run('node', serve))
 '''
