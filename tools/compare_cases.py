@@ -204,7 +204,8 @@ def difference_line(name: str, ours: Dict[str, Any], gazebo: Optional[Dict[str, 
     if not found:
         return '{}  no link in both{}'.format(text, notes)
     worst = max(found, key=lambda link: _size(found[link]))
-    return '{}  {:.4f} m  {:7.4f} rad  {}{}'.format(text, *found[worst], worst, notes)
+    distance_m, angle_rad = found[worst]
+    return '{}  {:.4f} m  {:7.4f} rad  {}{}'.format(text, distance_m, angle_rad, worst, notes)
 
 
 def changes(before: Dict[str, Any], after: Dict[str, Any],
