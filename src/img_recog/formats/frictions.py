@@ -8,13 +8,13 @@ from img_recog.formats.numbers import read_lengths, read_number
 from img_recog.model import FLOOR_FRICTION, Contact, Friction
 
 # of a negative coefficient, which in Gazebo means as much as there can be
-_MOST = 100.0
+_MOST = 100.0      # of any coefficient: the forces of larger ones are not computable
 # the fields of a Contact, below <surface> and in a tag of a URDF
 _CONTACTS = {'stiffness': ('contact/ode/kp', 'kp'), 'damping': ('contact/ode/kd', 'kd'),
              'fastest': ('contact/ode/max_vel', 'maxVel'),
              'slack': ('contact/ode/min_depth', 'minDepth'),
              'bounce': ('bounce/restitution_coefficient', '')}
-_HARD_N_M = 1e7
+_HARD_N_M = 1e10       # no body is so heavy that a softer contact would differ
 # what little reaches: without a <threshold>, it is 100 km/s
 _FAST_M_S = 10.0
 
@@ -60,7 +60,7 @@ def contact_of(collision: ElementTree.Element, link: str, text_of: TextOf) -> Co
     if threshold is None or read_number('<threshold> of link ' + link, threshold) > _FAST_M_S:
         contact = contact._replace(bounce=0.0)
     # all that is hard is one surface
-    return contact if (contact.stiffness < _HARD_N_M or contact.throws
+    return contact if (contact.stiffness < _HARD_N_M or contact.slack or contact.throws
                        or contact.bounce) else Contact()
 
 
@@ -68,4 +68,4 @@ def _coefficient(name: str, text: Optional[str]) -> float:
     if text is None:
         return FLOOR_FRICTION
     value = read_number(name, text)
-    return value if value >= 0 else _MOST
+    return min(value, _MOST) if value >= 0 else _MOST

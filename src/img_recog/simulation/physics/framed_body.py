@@ -11,7 +11,7 @@ from img_recog.model import CONTINUOUS, AttachedFrame, Limits, Model
 from img_recog.rotations import Quaternion, Transform
 from img_recog.simulation.physics.body import Body, FrameState, Motion, Vector, motion_of_frame
 from img_recog.simulation.physics.client import link_indices
-from img_recog.simulation.physics.tyres import ACROSS, owner
+from img_recog.simulation.physics.tires import ACROSS, TREADS, owner
 
 
 class FramedBody(Body):
@@ -86,7 +86,7 @@ class FramedBody(Body):
         """
         return {self._link_indices[part]: owner(name)
                 for name in self._surfaces.get(link, ())
-                for part in (name, name + ACROSS) if part in self._link_indices}
+                for part in (name, name + TREADS, name + ACROSS) if part in self._link_indices}
 
     def has_frame(self, frame: str) -> bool:
         """Return whether the model has this link."""

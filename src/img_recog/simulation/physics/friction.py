@@ -11,14 +11,14 @@ turn. `mu2` scales one of them, along an axis of the link that is nearest to it;
 directions.py.
 """
 import itertools
-from typing import Dict, List, NamedTuple, Set, Tuple
+from typing import Callable, Dict, List, NamedTuple, Set, Tuple
 
 import numpy as np
 import pybullet
 
 from img_recog import rotations
 from img_recog.model import FLOOR_FRICTION, Friction
-from img_recog.simulation.physics import tyres
+from img_recog.simulation.physics import tires
 from img_recog.simulation.physics.body import Body
 from img_recog.simulation.physics.client import body_ids, link_indices, links_of_base
 from img_recog.simulation.physics.framed_body import FramedBody
@@ -38,7 +38,7 @@ def apply(body: FramedBody, slides: bool = False) -> None:
     given = {link.name: link.surface for link in body.model.links}
     never_move = links_of_base(body.body_id, body.physics_client_id) if body.fixed else ()
     for name, link in link_indices(body.body_id, body.physics_client_id).items():
-        wheel = name.replace(tyres.ACROSS, '')
+        wheel = name.partition(tires.TREADS)[0]
         friction = Friction(0.0) if slides else given.get(wheel, Friction())
         pybullet.changeDynamics(
             body.body_id, link, lateralFriction=friction.largest,
@@ -79,10 +79,15 @@ class _Surface(NamedTuple):
 
 
 class Pairs:
-    """The surfaces in a client, some of which need another coefficient where they touch."""
+    """The surfaces in a client, some of which need another coefficient where they touch.
 
-    def __init__(self, physics_client_id: int):
+    A contact in PyBullet keeps the coefficient that it began with, so the contacts of a link that
+    gets another coefficient are made anew.
+    """
+
+    def __init__(self, physics_client_id: int, forget_contacts: Callable[[_Link], None]):
         self._client = {'physicsClientId': physics_client_id}
+        self._forget_contacts = forget_contacts
         self._surfaces: Dict[_Link, _Surface] = {}
         self._steps = 0
         self._changed: Dict[_Link, float] = {}
@@ -116,10 +121,6 @@ class Pairs:
             not (a.fixed and b.fixed) and len(bodies[a] | bodies[b]) > 1
             and abs(a.start * b.start - min(a.friction, b.friction)) > _EPSILON
             for a, b in itertools.combinations_with_replacement(bodies, 2))
-
-    def coefficient(self, body: int, link: int) -> float:
-        """Return what PyBullet has for a link of a body now."""
-        return self._changed.get((body, link), self._surfaces[body, link].start)
 
     def reset(self) -> None:
         """Forget what touched: to be called when everything was moved back to its start."""
@@ -166,3 +167,4 @@ class Pairs:
 
     def _set(self, link: _Link, value: float) -> None:
         pybullet.changeDynamics(*link, lateralFriction=value, **self._client)
+        self._forget_contacts(link)

@@ -8,12 +8,16 @@ from img_recog.model import ALL_BITS, Model
 from img_recog.simulation.physics.body import Body
 from img_recog.simulation.physics.client import link_indices, links_of_base
 from img_recog.simulation.physics.framed_body import FramedBody
-from img_recog.simulation.physics.tyres import ACROSS
+from img_recog.simulation.physics.tires import TREADS
 
-# Two links meet in PyBullet if a group of one is in the mask of the other. Of those without a
-# bitmask, all are, and so is the one that rays are in; those of a file are beyond its own. Links
-# of what never moves are in one that does not meet itself, as PyBullet has it for a base.
-_RAYS, _STATIC, _SHIFT = 1, 2, 8
+# Two links collide in PyBullet if a group of one is in the mask of the other. A link without a
+# bitmask collides with all groups but those that its kind leaves out, and so does a ray, which is
+# in the group of what moves. The bits of a file's bitmask are shifted beyond these groups.
+_MOVING, _STATIC, _FLOOR, _WHEEL, _TREADS, _SHIFT = 1, 2, 4, 8, 16, 8
+
+_COLLIDES = {_MOVING: ~_TREADS, _STATIC: ~(_STATIC | _FLOOR),
+             _FLOOR: ~(_STATIC | _FLOOR | _WHEEL), _WHEEL: ~(_FLOOR | _TREADS),
+             _TREADS: _STATIC | _FLOOR}
 
 _Pair = Tuple[int, int, int, int]        # two bodies, and a link of each
 
@@ -23,12 +27,12 @@ def has_spaces(model: Model) -> bool:
     return len({link.space for link in model.links if link.solids}) > 1
 
 
-def groups_and_mask(bitmask: int) -> Tuple[int, int]:
-    """Return in which groups of PyBullet what has a bitmask is, and which ones it meets."""
-    if bitmask == ALL_BITS:
-        return _RAYS, -1
-    groups = bitmask << _SHIFT
-    return groups, groups and groups | _RAYS
+def _groups_and_mask(bitmask: int, kind: int) -> Tuple[int, int]:
+    """Return the groups of PyBullet that a link is in, and those that it collides with."""
+    if bitmask != ALL_BITS:
+        groups = bitmask << _SHIFT
+        return groups, groups and groups | _MOVING
+    return kind, _COLLIDES[kind]
 
 
 class Meeting:
@@ -68,29 +72,39 @@ class Meeting:
     def forget_contacts(self) -> None:
         """Let the next step begin without contacts of an earlier one.
 
-        PyBullet begins with their forces, which would make a difference after a reset. It forgets
-        what a link touches when its mask is set; at first all meet nothing, so that nothing old is
-        left among the new pairs. Then each link has a new number, and contacts are computed in the
-        order of these numbers.
+        PyBullet begins with their forces, which would make a difference after a reset. At first
+        all links collide with nothing, so that nothing old is left among the new pairs. Then each
+        link has a new number, and contacts are computed in the order of these numbers.
         """
         for link in self._masks:
             pybullet.setCollisionFilterGroupMask(*link, 0, 0, **self._client)
-        for link, masks in self._masks.items():
-            pybullet.setCollisionFilterGroupMask(*link, *masks, **self._client)
+        for link in self._masks:
+            self.forget_contacts_of(link)
+
+    def forget_contacts_of(self, link: Tuple[int, int]) -> None:
+        """Let PyBullet make new contacts of a link, by the numbers of its body and of the link.
+
+        PyBullet forgets what a link touches when its mask is set.
+        """
+        if link in self._masks:
+            pybullet.setCollisionFilterGroupMask(*link, *self._masks[link], **self._client)
 
     def _set_masks(self, body: FramedBody) -> None:
         indices = link_indices(body.body_id, body.physics_client_id)
         static = links_of_base(body.body_id, body.physics_client_id) if body.fixed else ()
-        for link in body.model.links:
-            # all solids of a link have one mask in PyBullet
-            for solid, name in itertools.product(link.solids[:1], (link.name, link.name + ACROSS)):
-                if name in indices:
-                    masks = groups_and_mask(solid.bitmask)
-                    if solid.bitmask == ALL_BITS and indices[name] in static:
-                        masks = _STATIC, ~_STATIC
-                    self._masks[body.body_id, indices[name]] = masks
-                    pybullet.setCollisionFilterGroupMask(
-                        body.body_id, indices[name], *masks, **self._client)
+        is_floor = body.is_plane or body.is_terrain
+        # all solids of a link have one mask in PyBullet
+        bitmasks = {link.name: link.solids[0].bitmask for link in body.model.links if link.solids}
+        for name, index in indices.items():
+            wheel = name.partition(TREADS)[0]
+            if wheel in bitmasks:
+                kind = (_TREADS if name != wheel else
+                        _WHEEL if name + TREADS in indices else _MOVING)
+                if index in static:
+                    kind = _FLOOR if is_floor else _STATIC
+                masks = _groups_and_mask(bitmasks[wheel], kind)
+                self._masks[body.body_id, index] = masks
+                pybullet.setCollisionFilterGroupMask(body.body_id, index, *masks, **self._client)
 
     def _keep_apart(self, one: FramedBody, other: FramedBody) -> None:
         """Let links of two bodies of a model, or of one, only meet where Gazebo lets them."""
@@ -105,10 +119,11 @@ def _solid_links(body: FramedBody) -> Iterator[Tuple[int, str, str]]:
     """Yield the index of each link with solids, its owner and the space of that."""
     indices, owners = link_indices(body.body_id, body.physics_client_id), _owners(body.model)
     spaces = {link.name: link.space for link in body.model.links}
-    for link in body.model.links:
-        for name in (link.name, link.name + ACROSS):
-            if link.solids and name in indices:
-                yield indices[name], owners[link.name], spaces[owners[link.name]]
+    solid = {link.name for link in body.model.links if link.solids}
+    for name, index in indices.items():
+        wheel = name.partition(TREADS)[0]
+        if wheel in solid:
+            yield index, owners[wheel], spaces[owners[wheel]]
 
 
 def _joined(model: Model) -> Iterator[Tuple[str, str]]:

@@ -6,7 +6,7 @@ import pybullet
 from img_recog import rotations
 from img_recog.errors import SimulationError
 from img_recog.model import CONTINUOUS, Model
-from img_recog.simulation.physics import build, friction, tyres
+from img_recog.simulation.physics import build, friction, tires
 from img_recog.simulation.physics.body import BodyPose
 from img_recog.simulation.physics.framed_body import FramedBody
 from img_recog.simulation.simulation_settings import SpawnSettings
@@ -45,7 +45,7 @@ class SimulatedRobot(FramedBody):
 
         Raises SimulationError when PyBullet cannot load it or a wheel joint is missing.
         """
-        shod = tyres.added(model, [name for _, name in motors.joints])
+        shod = tires.added(model, [name for _, name in motors.joints])
         super().__init__(build.load(shod, physics_client_id, exact_hulls=True), physics_client_id,
                          model)
         self.name = model.name

@@ -1,8 +1,14 @@
 """How contacts give way, and what comes back from them.
 
-What stands on more than three points has the same load on all, as ODE has it, only if the contacts
-give way a little: all are springs, with a stiffness for the mass of the body if that is high. What
-a file has of <kp>, <kd> and <max_vel> counts where it is softer.
+A contact of ODE pushes a body out of another one within one step. So a wheel leaves the floor by
+some micrometers, falls back onto it, and touches it in every second to fifth step only. Friction
+stops its edge in these steps, and between them it slips freely: a robot on many wheels turns as if
+friction were viscous. PyBullet does the same if contacts act only where bodies touch, without slop.
+So the wheels of a robot have the contacts of ODE, with half of the push: with all of it, what
+falls onto its wheels would come back.
+
+All other contacts are springs, with a stiffness for the mass of the body. What a file has of <kp>,
+<kd> and <max_vel> counts where it is softer.
 
 ODE lets a body out of another one by <max_vel>, of which its velocity is told, and besides by all
 of the spring, of which it is not told. With the default of 1 cm/s, contacts are dampers in which
@@ -10,19 +16,26 @@ the body goes down until what it is moved in a step is as much: that is a spring
 softer the heavier the body is (`_as_moved`).
 """
 import math
-from typing import Dict, List, NamedTuple, Tuple
+from typing import Dict, List, Mapping, NamedTuple, Set, Tuple
 
+import numpy as np
 import pybullet
 
-from img_recog.model import CYLINDER, SPHERE, Contact, Solid
-from img_recog.rotations import matrix
+from img_recog.model import BOX, CAPSULE, CYLINDER, MESH, SPHERE, Contact, Solid
+from img_recog.rotations import Quaternion, matrix
+from img_recog.simulation.physics import mesh_cache
+from img_recog.simulation.physics.body import Vector
 from img_recog.simulation.physics.client import link_indices, links_of_base
 from img_recog.simulation.physics.framed_body import FramedBody
+from img_recog.simulation.physics.tires import ACROSS, TREADS
 
 # of a contact: so much damping that nothing vibrates, and what fell is out of the floor in 0.3 s
 _STIFFNESS_N_M, _DAMPING_N_S_M = 3e5, 1e5
-# for each kg of a body with joints: so low that its load is spread over its wheels
+# for each kg of a body with joints that does not stand on wheels; no contact of a robot is softer
 _JOINTED_N_M, _JOINTED_N_S_M = 1e4, 2e3
+_PUSH = 0.5         # share of the depth of a wheel that a contact pushes out in a step
+# for each kg of a robot: two links that touch in one place share the load only if both give way
+_SHARED_N_M = 1e6
 # of what bounces: so much damping that only its coefficient throws it back. ODE takes the higher
 # one of that and of the speed with which it lets out what is deep, which is more for little
 _BOUNCING = 3e7, 1e7
@@ -33,67 +46,83 @@ _LOW_M = 0.01
 
 
 class Spring(NamedTuple):
-    """Of the contacts of a link: N/m, N s/m."""
+    """The contacts of a link.
+
+    Attributes:
+        stiffness: In N/m.
+        damping: In N s/m.
+        slows: Whether PyBullet slows a body down before it touches, so that it never gets deep.
+    """
 
     stiffness: float
     damping: float
+    slows: bool = True
 
     def scaled(self, factor: float) -> 'Spring':
         """Return one that gives way as much under `factor` times the load."""
-        return Spring(self.stiffness * factor, self.damping * factor)
+        return self._replace(stiffness=self.stiffness * factor, damping=self.damping * factor)
 
 
 def set_up(physics_client_id: int, step_s: float) -> None:
     """Set how contacts are solved in a client without bodies."""
     total = step_s * _STIFFNESS_N_M + _DAMPING_N_S_M
     pybullet.setPhysicsEngineParameter(
-        enableConeFriction=0, globalCFM=1 / total, contactERP=step_s * _STIFFNESS_N_M / total,
+        enableConeFriction=0, contactSlop=0, globalCFM=1 / total, contactERP=step_s * _STIFFNESS_N_M / total,
         restitutionVelocityThreshold=_BOUNCES_FROM_M_S, physicsClientId=physics_client_id)
 
 
 def apply(body: FramedBody) -> None:
     """Give the contacts of a body their stiffness, and let it bounce if its file says so."""
-    for link, spring in springs(body).items():
-        set_spring(body, link, spring)
+    for link, spring in _springs(body).items():
+        pybullet.changeDynamics(
+            body.body_id, link, contactStiffness=spring.stiffness, contactDamping=spring.damping,
+            physicsClientId=body.physics_client_id,
+            **({} if spring.slows else {'contactProcessingThreshold': 0}))
     for link, contact in _contacts(body).items():
         if contact.bounce > _LITTLE and (body.fixed or contact.throws):
             # PyBullet multiplies those of two bodies, where ODE takes the lower one
             pybullet.changeDynamics(body.body_id, link, restitution=math.sqrt(contact.bounce),
                                     physicsClientId=body.physics_client_id)
-        if contact.throws and not body.fixed and not body.joints:
-            # what does not touch yet is not slowed down
-            pybullet.changeDynamics(body.body_id, link, contactProcessingThreshold=0,
-                                    physicsClientId=body.physics_client_id)
 
 
-def set_spring(body: FramedBody, link: int, spring: Spring) -> None:
-    """Let the contacts of a link, by PyBullet's number, give way like a spring."""
-    pybullet.changeDynamics(
-        body.body_id, link, contactStiffness=spring.stiffness, contactDamping=spring.damping,
-        physicsClientId=body.physics_client_id)
-
-
-def springs(body: FramedBody) -> Dict[int, Spring]:
-    """Return those of the links of a body, by PyBullet's numbers, that have one of their own."""
-    found: Dict[int, Spring] = {}
+def _springs(body: FramedBody) -> Dict[int, Spring]:
+    """Return the springs of the links of a body that have their own, by PyBullet's indices."""
     mass = 0.0 if body.fixed else body.mass()
     if not mass:
-        return found
+        return {}
     contacts, limit = _contacts(body), _STIFFNESS_N_M
+    found: Dict[int, Spring] = {}
     if body.joints:
         limit = mass * _JOINTED_N_M
-        found = {link: Spring(limit, mass * _JOINTED_N_S_M) for link in
-                 link_indices(body.body_id, body.physics_client_id).values()}
+        found = (_of_robot(body, mass, contacts) if _stands_on_wheels(body) else
+                 {link: Spring(limit, mass * _JOINTED_N_S_M) for link in body.links})
     points = _points(body) if any(contact != Contact() for contact in contacts.values()) else []
-    count = sum(in_ode for in_ode, _ in points)
+    count, shared = sum(in_ode for in_ode, _ in points), _shared(body)
     for link, contact in contacts.items():
         if contact == Contact():
             continue
         spring = _as_moved(contact, mass, count, body.physics_client_id)
         if spring.stiffness < limit:
-            found[link] = spring.scaled(count / sum(here for _, here in points))
+            found[link] = spring.scaled(count / sum(here for _, here in points)
+                                        / (1 + (link in shared)))
         elif contact.throws and not body.joints:
-            found[link] = Spring(*_BOUNCING) if contact.bounce > _LITTLE else spring
+            found[link] = (Spring(*_BOUNCING) if contact.bounce > _LITTLE
+                           else spring)._replace(slows=False)
+    return found
+
+
+def _of_robot(body: FramedBody, mass: float, contacts: Mapping[int, Contact]) -> Dict[int, Spring]:
+    """Return the springs of a body on wheels: those of ODE, with less push."""
+    step_s = pybullet.getPhysicsEngineParameters(
+        physicsClientId=body.physics_client_id)['fixedTimeStep']
+    found, shared = {}, _shared(body)
+    for link in body.links:
+        contact = contacts.get(link, Contact())
+        stiffness = contact.stiffness
+        if link in shared:
+            stiffness = min(stiffness / 2, _SHARED_N_M * mass)
+        damping = max(contact.damping, step_s * stiffness * (1 / _PUSH - 1))
+        found[link] = Spring(stiffness, damping, slows=False)
     return found
 
 
@@ -118,10 +147,18 @@ def _as_moved(contact: Contact, mass: float, count: int, physics_client_id: int)
 
 
 def _contacts(body: FramedBody) -> Dict[int, Contact]:
-    """Return those of the links that have solids, by PyBullet's numbers."""
+    """Return the contacts of the links that have solids, by PyBullet's indices."""
+    contacts = {link.name: link.solids[0].contact for link in body.model.links if link.solids}
+    return {index: contacts[name.partition(TREADS)[0]]
+            for name, index in link_indices(body.body_id, body.physics_client_id).items()
+            if name.partition(TREADS)[0] in contacts}
+
+
+def _shared(body: FramedBody) -> Set[int]:
+    """Return the links with treads in places where others have theirs, too."""
     indices = link_indices(body.body_id, body.physics_client_id)
-    return {indices[link.name]: link.solids[0].contact for link in body.model.links
-            if link.solids}
+    return {indices[name] for across in indices if across.endswith(ACROSS)
+            for name in (across, across[:-len(ACROSS)] + TREADS)}
 
 
 def _points(body: FramedBody) -> List[Tuple[int, int]]:
@@ -133,6 +170,38 @@ def _points(body: FramedBody) -> List[Tuple[int, int]]:
             for link in body.model.links if link.solids}
     return [_of_solid(body, indices[link.name], solid) for link in body.model.links
             for solid in link.solids if lows[link.name] < min(lows.values()) + _LOW_M]
+
+
+def _stands_on_wheels(body: FramedBody) -> bool:
+    """Return whether a body stands on treads, and at most on one other solid, where it was loaded.
+
+    ODE's joints give way, so that wheels share the load with several casters. Those here do not,
+    so such a body keeps contacts that give way.
+    """
+    client = {'physicsClientId': body.physics_client_id}
+    frames = {name: body.pose()[:2] if link == -1 else pybullet.getLinkState(
+        body.body_id, link, computeForwardKinematics=1, **client)[4:6]
+        for name, link in link_indices(body.body_id, body.physics_client_id).items()}
+    lows = [(_lowest(solid, *frames[link.name]), link.name + TREADS in frames)
+            for link in body.model.links for solid in link.solids]
+    low = [is_wheel for height, is_wheel in lows if height < min(lows)[0] + _LOW_M]
+    return any(low) and low.count(False) <= 1
+
+
+def _lowest(solid: Solid, position: Vector, orientation: Quaternion) -> float:
+    """Return the lowest z of a solid in the world, given the pose of its link."""
+    turned = matrix(orientation)
+    z, up = position[2] + turned[2] @ solid.pose.translation, turned[2] @ solid.pose.rotation
+    kind, size = solid.shape.kind, solid.shape.size
+    if kind == MESH:
+        bounds = np.multiply(mesh_cache.bounds(
+            mesh_cache.cached(solid.shape.path, solid.shape.submesh)), size)
+        return float(z + up @ bounds.mean(axis=0) - np.abs(up * np.ptp(bounds, axis=0)).sum() / 2)
+    if kind == BOX:
+        return float(z - np.abs(up * size).sum() / 2)
+    round_part = 1.0 if kind in (SPHERE, CAPSULE) else math.hypot(*up[:2])
+    length = size[1] if kind in (CYLINDER, CAPSULE) else 0.0
+    return float(z - size[0] * round_part - length * abs(up[2]) / 2)
 
 
 def _of_solid(body: FramedBody, link: int, solid: Solid) -> Tuple[int, int]:

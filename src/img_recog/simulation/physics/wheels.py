@@ -15,6 +15,7 @@ from img_recog.simulation.simulation_settings import DriveSettings
 _TOLERANCE = 0.05       # relative: Gazebo's tags are often rounded
 _DEFAULT_DIAMETER = DriveSettings().wheel_diameter
 _ALONG = 0.7            # the cosine of the angle between directions that are nearly the same
+_OUTER = 0.99           # share of the radius of a mesh that the corners of its tread have
 _MIN_ROUNDNESS = 0.9    # of the nearest to the farthest corner of a mesh that is a wheel
 
 
@@ -95,7 +96,7 @@ def _middle(side: Sequence[_Wheel]) -> np.ndarray:
 
 
 def _wheel(joint: Joint, model: Model) -> _Wheel:
-    frame, axis = _pose(joint, model), np.asarray(joint.axis)
+    frame, axis = pose_in_root(joint, model), np.asarray(joint.axis)
     link, = (link for link in model.links if link.name == joint.child)
     middle, diameter = _measured(link.solids or link.looks, axis)
     turned = frame.rotation @ axis
@@ -105,7 +106,7 @@ def _wheel(joint: Joint, model: Model) -> _Wheel:
                   is_flat or abs(turned[1]) < _ALONG)
 
 
-def _pose(joint: Joint, model: Model) -> Transform:
+def pose_in_root(joint: Joint, model: Model) -> Transform:
     """Return the pose of the child of a joint in the frame of the root link."""
     parents, pose = {each.child: each for each in model.joints}, IDENTITY
     above: Optional[Joint] = joint
@@ -131,7 +132,7 @@ def _measured(shapes: Sequence[Union[Solid, Look]],
 
 
 class Outline(NamedTuple):
-    """Of a mesh about an axis, in m: its middle (3,), a point of the axis, its width along it, and
+    """Of a mesh about an axis, in m: the middle of its tread (3,), a point of the axis, the width of its tread, and
     its diameter, None if it is not round."""
 
     middle: np.ndarray
@@ -151,13 +152,14 @@ def mesh_outline(shape: Union[Solid, Look], axis: np.ndarray) -> Optional[Outlin
         corners = (_corners(path, _changed_at(path)) * scale) @ pose.rotation.T + pose.translation
     except MeshError:
         return None         # it is refused where it is needed
-    along = corners @ axis
-    first, last = float(along.min()), float(along.max())
     across = np.cross(axis, np.eye(3)[np.argmin(np.abs(axis))])
     across /= np.linalg.norm(across)
     plane = np.column_stack((corners @ across, corners @ np.cross(axis, across)))
     distances = np.linalg.norm(cv2.convexHull(plane.astype(np.float32))[:, 0], axis=1)
     radius = float(distances.max())
+    # the corners that can touch a floor: the rest of a wheel, such as a hub, may be wider
+    along = (corners @ axis)[np.linalg.norm(plane, axis=1) > _OUTER * radius]
+    first, last = float(along.min()), float(along.max())
     is_round = distances.min() >= _MIN_ROUNDNESS * radius
     return Outline(axis * (first + last) / 2, last - first,
                    round(2 * radius, 6) if is_round else None)

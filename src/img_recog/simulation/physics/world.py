@@ -8,7 +8,7 @@ from img_recog.formats.problems import Problems
 from img_recog.formats.world_file import WorldFile
 from img_recog.model import PLANE, AttachedFrame, Friction, Link, Model, Shape, Solid, Tree
 from img_recog.simulation.physics import (build, crowding, friction, gears, standing, stiffness,
-                                          tyres)
+                                          tires)
 from img_recog.simulation.physics.body import Body
 from img_recog.simulation.physics.client import all_or_nothing
 from img_recog.simulation.physics.directions import Directions
@@ -61,12 +61,14 @@ class World:
             deterministicOverlappingPairs=1, minimumSolverIslandSize=1,
             physicsClientId=physics_client_id)
         stiffness.set_up(physics_client_id, settings.step_s)
-        self._pairs, self._pairs_revision = friction.Pairs(physics_client_id), -1
+        self._pairs = friction.Pairs(physics_client_id, self._meeting.forget_contacts_of)
+        self._pairs_revision = -1
         self._is_at_start = True
         self.floor: Optional[FramedBody] = None
         if file.has_floor:
             (_, self.floor), = load_bodies([FLOOR], physics_client_id)
             self._set_dynamics(self.floor)
+            self._meeting.add([self.floor])
         try:
             self.add(file.trees, problems)
         except SimulationError as error:
@@ -151,7 +153,7 @@ class World:
             lines += ['{}: {}'.format(body.name, line) for line in forces.warnings]
             if forces:
                 self._forces[body.body_id] = forces
-            directions = Directions(body, self._pairs.coefficient)
+            directions = Directions(body)
             if directions:
                 self._directions[body.body_id] = directions
         return lines
@@ -200,17 +202,11 @@ class World:
             acting.append(self.pushes.apply)
         if self._pairs.needs_updates:
             acting.append(self._pairs.update)
-        while count > 0:
-            steps = count
-            for directions in self._directions.values():
-                steps = directions.before_steps(steps)
-            for _ in range(steps):
-                for act in acting:
-                    act()
-                step(physicsClientId=physics_client_id)
-            for directions in self._directions.values():
-                directions.stepped(steps)
-            count -= steps
+        acting += [directions.update for directions in self._directions.values()]
+        for _ in range(count):
+            for act in acting:
+                act()
+            step(physicsClientId=physics_client_id)
 
     def close(self) -> None:
         """End the physics client; nothing of it can be used any more."""
@@ -253,9 +249,10 @@ def load_bodies(trees: Sequence[Tree], physics_client_id: int, visuals: bool = F
         for tree in trees:
             is_first |= tree.first
             try:
+                model = tree.model if tree.fixed else tires.added(tree.model)
                 body = FramedBody(
-                    build.load(tyres.added(tree.model), physics_client_id, tree.fixed, tree.pose,
-                               visuals, problems), physics_client_id, tree.model, tree.fixed)
+                    build.load(model, physics_client_id, tree.fixed, tree.pose, visuals, problems),
+                    physics_client_id, tree.model, tree.fixed)
             except SimulationError as error:
                 refused = SimulationError('model {}: {}'.format(
                     shortened(tree.name), error.problem), error.advice)

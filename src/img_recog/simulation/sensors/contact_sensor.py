@@ -7,7 +7,7 @@ import pybullet
 
 from img_recog.formats.gazebo_tags import NAME, RATE, TOPIC, Row, Tags
 from img_recog.settings import Settings, above, any_value, not_empty, setting
-from img_recog.simulation.physics.tyres import owner
+from img_recog.simulation.physics.tires import owner
 from img_recog.simulation.sensors.sensor import Mount, Sensor
 
 # of libgazebo_ros_bumper of gazebo_plugins, with its default topic

@@ -4,7 +4,7 @@ import math
 import pytest
 
 from img_recog.model import CYLINDER
-from img_recog.simulation.physics import tyres
+from img_recog.simulation.physics import tires
 from img_recog_helpers.parsed import given, part
 from img_recog_helpers.wheeled import wheel_mesh
 
@@ -27,7 +27,7 @@ def robot(left=UPRIGHT, right=UPRIGHT, shape=ROUND.format(0.1, 0.04), origin='',
 
 
 def added(urdf, joints=JOINTS):
-    return tyres.added(given(urdf, lambda uri: uri), joints)
+    return tires.added(given(urdf, lambda uri: uri), joints)
 
 
 def cylinders(urdf, joints=JOINTS, name='left_wheel'):
@@ -72,7 +72,7 @@ def test_what_is_no_wheel_stays_as_it_is(changes, tmp_path):
     path = tmp_path / 'wheel.obj'
     path.write_text(wheel_mesh(0.08, (0.03, 0.0)))
     before = given(robot(**changes).replace('{}', str(path)), lambda uri: uri)
-    assert [link.solids for link in tyres.added(before, JOINTS).links] == [
+    assert [link.solids for link in tires.added(before, JOINTS).links] == [
         link.solids for link in before.links]
 
 

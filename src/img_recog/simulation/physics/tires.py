@@ -1,0 +1,105 @@
+"""Treads: the edges with which a wheel touches the floor.
+
+A cylinder on a plane touches it with both edges in Gazebo. PyBullet finds one of them in a step,
+whichever is lower by a hair. So a wheel gets a second link with a narrow tread at each edge. The
+treads touch only floors and other things that never move, see meeting.py. Everything else touches
+the whole cylinder. A wheel that is a mesh becomes a cylinder: the convex hull of PyBullet has
+corners, and is 1 mm larger. ODE pushes a wheel out of the floor from a depth of <min_depth> on, so
+the rest of its robot is lower by that depth.
+"""
+import dataclasses
+from typing import Collection, Iterator, List
+
+import numpy as np
+
+from img_recog.model import (ALL_BITS, CONTINUOUS, CYLINDER, FIXED, PART, REVOLUTE, SPHERE, Joint,
+                             Link, Model, Shape, Solid)
+from img_recog.rotations import IDENTITY, Transform
+from img_recog.simulation.physics.wheels import mesh_outline, pose_in_root
+
+TREADS = '::treads'     # in the names of the links with the treads of a wheel
+ACROSS = TREADS + '_across'     # the second one, if there is a direction of friction
+_TREAD_M = 0.002
+# In ODE, joints give way a little under the load, and wheels stand on their outer edges. A hair is
+# enough for that: an axle that leans in the file, such as one that is turned by 1.57, stays so.
+_HIGHER_M = 2e-6        # height of the inner edge above the floor
+_PARALLEL = 0.99
+_MAX_SLACK_M = 0.005    # highest <min_depth> that counts
+
+
+def added(model: Model, driven: Collection[str] = ()) -> Model:
+    """Return a model with treads on each link that is round about the joint that turns it.
+
+    Args:
+        driven: Names of the joints of wheels. A wheel can also be a round mesh.
+    """
+    links = {link.name: link for link in model.links}
+    joints: List[Joint] = []
+    for joint in model.joints:
+        joints.append(joint)
+        if joint.kind in (CONTINUOUS, REVOLUTE):
+            wheel, axis = links[joint.child], np.asarray(joint.axis)
+            if wheel.solids and all(_is_round(solid, axis) for solid in wheel.solids):
+                joints[-1] = _lower_than(wheel, joint)
+            if joint.name in driven:
+                wheel = wheel._replace(solids=tuple(_round(solid, axis) for solid in wheel.solids))
+                links[joint.child] = wheel
+            pose = pose_in_root(joint, model)
+            treads = tuple(tread for solid in wheel.solids for tread in _treads(solid, axis, pose))
+            for kind in (TREADS, ACROSS)[:len(treads) and 1 + bool(wheel.surface.direction)]:
+                name = joint.child + kind
+                links[name] = Link(name, solids=treads, space=wheel.space)
+                joints.append(Joint(name, FIXED, joint.child, name))
+    return dataclasses.replace(model, links=tuple(links.values()), joints=tuple(joints))
+
+
+def _lower_than(wheel: Link, joint: Joint) -> Joint:
+    """Return the joint of a wheel with its parent lower by the <min_depth> of the wheel."""
+    height_m = min(wheel.solids[0].contact.slack, _MAX_SLACK_M)
+    return joint._replace(pose=joint.pose._replace(
+        translation=joint.pose.translation + (0.0, 0.0, height_m)))
+
+
+def owner(link: str) -> str:
+    """Return the name of the link of the file to which the solids of a link in PyBullet belong."""
+    return link.partition(TREADS)[0].partition(PART)[0]
+
+
+def _is_round(solid: Solid, axis: np.ndarray) -> bool:
+    """Return whether a solid is a sphere, or a cylinder along an axis (3,), a unit vector."""
+    return solid.shape.kind == SPHERE or (
+        solid.shape.kind == CYLINDER and abs(solid.pose.rotation[:, 2] @ axis) > _PARALLEL)
+
+
+def _round(solid: Solid, axis: np.ndarray) -> Solid:
+    """Return a cylinder in place of a mesh that is round about an axis, otherwise the solid."""
+    outline = mesh_outline(solid, axis)
+    if outline is None or outline.diameter is None:
+        return solid
+    return solid._replace(shape=Shape(CYLINDER, (outline.diameter / 2, outline.width)),
+                          pose=Transform(_along(axis), outline.middle))
+
+
+def _along(axis: np.ndarray) -> np.ndarray:
+    """Return a rotation (3, 3) that turns z to an axis."""
+    across = np.cross(axis, np.eye(3)[np.argmin(np.abs(axis))])
+    across /= np.linalg.norm(across)
+    return np.column_stack((np.cross(across, axis), across, axis))
+
+
+def _treads(solid: Solid, axis: np.ndarray, pose: Transform) -> Iterator[Solid]:
+    """Yield both treads of a cylinder along an axis (3,).
+
+    A cylinder with a bitmask has none: the bits that keep a wheel and a floor apart are taken.
+    """
+    if (solid.shape.kind == CYLINDER and solid.shape.size[1] > _TREAD_M
+            and _is_round(solid, axis) and solid.bitmask == ALL_BITS):
+        radius, length = solid.shape.size
+        edges = [solid.pose @ IDENTITY._replace(
+            translation=np.array((0.0, 0.0, end * (length - _TREAD_M) / 2))) for end in (1, -1)]
+        along = pose.rotation @ axis
+        away = [abs(float(along @ (pose @ edge).translation)) for edge in edges]
+        for edge, distance in zip(edges, away):
+            is_outer = distance > max(away) - _TREAD_M
+            yield solid._replace(shape=solid.shape._replace(size=(
+                radius if is_outer else radius - _HIGHER_M, _TREAD_M)), pose=edge)
