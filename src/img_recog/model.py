@@ -3,11 +3,13 @@
 Plain values: no XML but that of sensors, no physics, no OpenGL. Lengths are in m, angles in rad,
 masses in kg.
 """
-from dataclasses import dataclass, field
+import math
+from dataclasses import dataclass, field, replace
 from typing import Any, Mapping, NamedTuple, Optional, Sequence, Set, Tuple
 
 import numpy as np
 
+from img_recog import rotations
 from img_recog.rotations import IDENTITY, Transform
 
 Rgb = Tuple[float, float, float]                # from 0 to 1, not limited to them
@@ -308,6 +310,15 @@ class Joint(NamedTuple):
     reference: float = 0.0
     held: float = 0.0
 
+    def held_at(self, position: float) -> 'Joint':
+        """Return a joint that is fixed where this one is at a position in rad or m."""
+        axis = np.asarray(self.axis)
+        moved = IDENTITY._replace(translation=axis * position)
+        if self.kind != PRISMATIC:
+            moved = IDENTITY._replace(rotation=rotations.matrix(
+                (*(axis * math.sin(position / 2)), math.cos(position / 2))))
+        return Joint(self.name, FIXED, self.parent, self.child, self.pose @ moved)
+
     @property
     def nearest_to_0(self) -> float:
         """The position that its limits allow, in m or rad, nearest to 0."""
@@ -364,6 +375,12 @@ class Model:
     changed_inertias: Tuple[str, ...] = ()
     held: Tuple[str, ...] = ()
     gears: Tuple[Gear, ...] = ()
+
+    def held_at(self, positions: Mapping[str, float]) -> 'Model':
+        """Return the model with some joints fixed at positions in rad or m, by their names."""
+        return replace(self, joints=tuple(
+            joint.held_at(positions[joint.name]) if joint.name in positions else joint
+            for joint in self.joints))
 
     @property
     def roots(self) -> Tuple[str, ...]:

@@ -80,6 +80,9 @@ def any_value() -> Allowed:
     return Allowed('', lambda value: True)
 
 
+# The squares and products of such numbers can be computed: with 1e308, the largest one of a
+# double, and its kind, the physics would compute NaN.
+_LARGEST, _SMALLEST = 1e30, 1e-30
 _MAX_INT = 0x7fffffff       # integers on the parameter server have 32 bits
 _TYPE_TEXTS = {int: 'a whole number', float: 'a finite number', bool: 'true or false',
                str: 'a string'}
@@ -160,6 +163,15 @@ def allowed_text(field: dataclasses.Field) -> str:
     return ' '.join(filter(None, (_TYPE_TEXTS[value_type], allowed.text)))
 
 
+def computable(value: float) -> float:
+    """Return the nearest number with which one can compute: 0, or 1e-30 to 1e30 of each sign.
+
+    >>> computable(-1.7e308), computable(5e-324), computable(0.5)
+    (-1e+30, 0.0, 0.5)
+    """
+    return 0.0 if abs(value) < _SMALLEST else max(-_LARGEST, min(value, _LARGEST))
+
+
 def _checked(field: dataclasses.Field, value: Any) -> Any:
     value_type, allowed, text = (
         field.metadata['kind'], field.metadata['allowed'], allowed_text(field))
@@ -174,10 +186,11 @@ def _checked(field: dataclasses.Field, value: Any) -> Any:
     if value_type is int and type(value) is float and value.is_integer() and abs(
             value) <= _MAX_INT:
         value = int(value)      # like roscpp
+    used = computable(value) if type(value) is float and math.isfinite(value) else value
     if (type(value) is not value_type or (value_type is float and not math.isfinite(value))
-            or not allowed.accepts(value)):
+            or not allowed.accepts(used)):
         raise SettingError(field.name, value, text)
-    return value
+    return used
 
 
 def nearest_period(rate_hz: float, step_s: float) -> float:

@@ -57,6 +57,10 @@ def check(path: str, parameters: Sequence[str] = ()) -> CheckReport:
             *(CheckRow(NOT_DRAWN, 'mesh ' + uri) for uri in robot.model.missing_meshes),
             *(CheckRow(NOT_DRAWN, each) for each in robot.model.missing_looks),
             *seen.rows]
+    lines: Dict[str, None] = {}
+    # a wheel about a wrong axis leaves the floor, which is not its defect
+    if not wheels.measure(robot.model, drive).askew:
+        simulator.warn = lambda line: lines.update({'{}: {}'.format(path, line): None})
     driven = list(_driven(robot, simulator)) if drive.is_there else []
     slips = max(len(drive.left_joints), len(drive.right_joints)) > 1
     still = [each for each in driven if each.got < each.asked * (
@@ -67,7 +71,8 @@ def check(path: str, parameters: Sequence[str] = ()) -> CheckReport:
                *(row for row in rows if row.state == NOT_DRAWN), *still)
     return CheckReport('robot {} in {}'.format(vehicle.robot.name, path),
                        rows + [each.row() for each in driven],
-                       (*built.warnings, *(each.warning(path) for each in still)),
+                       # one that does not touch the floor cannot drive
+                       (*built.warnings, *(lines or [each.warning(path) for each in still])),
                        is_partial=bool(missing) or not drive.is_there)
 
 

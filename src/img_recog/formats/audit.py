@@ -17,6 +17,7 @@ _MANY = frozenset('world model link joint collision visual sensor light plugin i
                   'camera polyline'.split())
 _TOLD = ('plugin', 'sensor', 'light', 'actor')    # which one it is
 _WORDS = {'true': True, '1': True, 'false': False, '0': False}
+_FRICTIONS = ('mu', 'mu1', 'mu2')
 _BOOLEAN = '?'             # after a name in the table
 _MAX_PLACES = 3             # that are named
 _FILE = 'the file'          # the place of what is in no element with a name
@@ -101,6 +102,9 @@ def _found(element: ElementTree.Element, path: Tuple[str, ...], place: str) -> I
             seen.add(kind)
             if default == _BOOLEAN:
                 yield from _boolean(child, place)
+            if tag in _FRICTIONS and _value(child).startswith('-'):
+                yield NOT_USED, '<{0}>{1}</{0}>, which means unlimited friction in Gazebo,'.format(
+                    tag, _value(child)), place
             yield from _found(child, inner, _below(place, child))
 
 

@@ -7,7 +7,7 @@ from img_recog.errors import SimulationError, shortened
 from img_recog.formats.gazebo_tags import DriveDescription, Tags, Values, is_of
 from img_recog.formats.texts import name_of, text_of
 from img_recog.model import PLANAR
-from img_recog.settings import nearest_period
+from img_recog.settings import computable, nearest_period
 
 # the parameters of each controller by its name, which begins with its namespace
 Controllers = Mapping[str, Mapping[str, Any]]
@@ -42,7 +42,7 @@ class _Parameters:
             number = math.nan
         if not math.isfinite(number):
             raise self._wrong(path, 'a finite number')
-        return number
+        return computable(number)
 
     def names(self, path: str) -> List[str]:
         value = self.get(path)

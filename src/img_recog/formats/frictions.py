@@ -15,6 +15,7 @@ _CONTACTS = {'stiffness': ('contact/ode/kp', 'kp'), 'damping': ('contact/ode/kd'
              'slack': ('contact/ode/min_depth', 'minDepth'),
              'bounce': ('bounce/restitution_coefficient', '')}
 _HARD_N_M = 1e10       # no body is so heavy that a softer contact would differ
+_SHORT = 1e-3       # of a direction
 # what little reaches: without a <threshold>, it is 100 km/s
 _FAST_M_S = 10.0
 
@@ -38,6 +39,8 @@ def of_texts(text_of: TextOf, link: str, mu: str) -> Optional[Friction]:
     if first is second is along is None:
         return None
     direction = read_lengths('<fdir1> of link ' + link, along or '0 0 0', 3)
+    if 0 < np.abs(direction).max() < _SHORT:    # it would be lost when it is rounded
+        direction /= np.abs(direction).max()
     return Friction(
         _coefficient('<{}> of link {}'.format(mu, link), first),
         _coefficient('<mu2> of link ' + link, second),
@@ -53,8 +56,8 @@ def contact_of(collision: ElementTree.Element, link: str, text_of: TextOf) -> Co
     for field, (path, tag) in _CONTACTS.items():
         text = (text_of(tag) if tag else None) or collision.findtext('surface/' + path)
         if text is not None:
-            found[field] = read_number('<{}> of link {}'.format(path.rpartition('/')[2], link),
-                                       text)
+            found[field] = max(0.0, read_number(
+                '<{}> of link {}'.format(path.rpartition('/')[2], link), text))
     contact = Contact(**found)
     threshold = collision.findtext('surface/bounce/threshold')
     if threshold is None or read_number('<threshold> of link ' + link, threshold) > _FAST_M_S:

@@ -13,7 +13,7 @@ from typing import Any, Callable, Dict, Iterable, Mapping, NamedTuple, Optional,
 from img_recog.errors import SimulationError
 from img_recog.formats.numbers import whole
 from img_recog.formats.texts import text_of
-from img_recog.settings import nearest_period
+from img_recog.settings import computable, nearest_period
 
 Values = Dict[str, Any]
 # of a skid-steered robot, the joints of its two sides
@@ -175,7 +175,7 @@ def _topic(text: str) -> str:
 
 def _deviation(text: str) -> Optional[float]:
     """Return a standard deviation, of several their root mean square, None for 0."""
-    values = [_number(each) for each in text.split()]
+    values = [computable(_number(each)) for each in text.split()]
     if not values:
         raise ValueError(text)
     return math.sqrt(sum(value ** 2 for value in values) / len(values)) or None
@@ -199,5 +199,6 @@ POSITIVE = Reader('a finite number', lambda text: max(_number(text), 0.0) or Non
 # for one or each axis
 DEVIATION = Reader('finite numbers', _deviation)
 # in Hz, for the setting of a period; 0 means each step of the physics, as in Gazebo
-RATE = Reader('a finite number', lambda text: max(_number(text), 0.0) or math.inf)
+RATE = Reader('a finite number',
+              lambda text: max(computable(_number(text)), 0.0) or math.inf)
 EACH_STEP = 0.0             # the default of a period

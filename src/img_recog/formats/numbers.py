@@ -6,6 +6,7 @@ from typing import Iterable, Optional
 import numpy as np
 
 from img_recog.errors import SimulationError
+from img_recog.settings import computable
 
 _MAX_LENGTH = 1e6
 _INFINITE = re.compile('[-+]?inf(inity)?', re.IGNORECASE)
@@ -13,11 +14,17 @@ _WHOLE = re.compile(r'\s*([-+]?)(0[xX][0-9a-fA-F]+|[0-9]{1,9}(?![0-9]))')
 
 
 def read_numbers(name: str, text: Optional[str], count: int) -> np.ndarray:
-    """Return `count` finite numbers; SimulationError naming what they are when it is not that.
+    """Return `count` finite numbers, those that are `computable`.
+
+    Raises SimulationError naming what they are if the text is something else.
 
     >>> read_numbers('xyz of link a', '0 -1.5 2', 3).tolist()
     [0.0, -1.5, 2.0]
     """
+    return np.array([computable(value) for value in _finite(name, text, count).tolist()])
+
+
+def _finite(name: str, text: Optional[str], count: int) -> np.ndarray:
     try:
         values = np.array([float(word) for word in (text or '').split()])
     except ValueError:
@@ -31,6 +38,20 @@ def read_numbers(name: str, text: Optional[str], count: int) -> np.ndarray:
 def read_number(name: str, text: Optional[str]) -> float:
     """Return a finite number; SimulationError naming what it is when it is not that."""
     return float(read_numbers(name, text, 1)[0])
+
+
+def read_mass(name: str, text: Optional[str]) -> float:
+    """Return a finite number as it is, for a message about it; errors as for `read_number`."""
+    return float(_finite(name, text, 1)[0])
+
+
+def read_share(name: str, text: Optional[str]) -> float:
+    """Return the nearest number from 0 to 1; SimulationError as for `read_number`.
+
+    >>> read_share('decay of link a', '1.5')
+    1.0
+    """
+    return min(max(read_number(name, text), 0.0), 1.0)
 
 
 def read_limit(name: str, text: Optional[str]) -> float:
@@ -110,9 +131,12 @@ def read_coefficient(name: str, text: Optional[str]) -> float:
 
 
 def words(values: Iterable[float]) -> str:
-    """Return numbers as the text of an attribute.
+    """Return numbers as the text of an attribute; SimulationError if one is NaN.
 
     >>> words((1, 0.5))
     '1.0 0.5'
     """
-    return ' '.join(repr(float(value)) for value in values)
+    numbers = [float(value) for value in values]
+    if any(map(math.isnan, numbers)):
+        raise SimulationError('got the numbers {}, expected none that is nan'.format(numbers))
+    return ' '.join(map(repr, numbers))

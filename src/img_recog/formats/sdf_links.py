@@ -9,7 +9,8 @@ from img_recog.errors import SimulationError
 from img_recog.files import FindFile, no_file
 from img_recog.formats import generated_meshes, heightmaps, inertias, materials
 from img_recog.formats.meshes.mesh_file import READABLE
-from img_recog.formats.numbers import read_direction, read_lengths, read_number
+from img_recog.formats.numbers import (read_direction, read_lengths, read_mass, read_number,
+                                       read_share)
 from img_recog.formats.sdf_frames import pose_of
 from img_recog.formats.texts import is_true, name_of, text_of
 from img_recog.model import (ALL_BITS, BOX, CYLINDER, HEIGHTMAP, MESH, PLANE, SPHERE, WHITE,
@@ -28,7 +29,7 @@ def inertia(link: ElementTree.Element, offset: Transform) -> Tuple[Inertia, str]
     given = link.find('inertial')
     if given is None:
         given = ElementTree.Element('inertial')
-    mass = read_number('<mass> of link ' + name, given.findtext('mass', '1'))
+    mass = read_mass('<mass> of link ' + name, given.findtext('mass', '1'))
     inertias.check_mass('<mass> of link ' + name, mass)
     matrix = np.array([read_number(
         '<{}> of link {}'.format(key, name),
@@ -40,8 +41,8 @@ def inertia(link: ElementTree.Element, offset: Transform) -> Tuple[Inertia, str]
 
 def decay(link: ElementTree.Element) -> Tuple[float, float]:
     """Return the shares of its velocities that a link loses in each step, see Link."""
-    linear, angular = (read_number('<{}> of link {}'.format(tag, name_of(link)),
-                                   link.findtext('velocity_decay/' + tag, '0'))
+    linear, angular = (read_share('<{}> of link {}'.format(tag, name_of(link)),
+                                  link.findtext('velocity_decay/' + tag, '0'))
                        for tag in ('linear', 'angular'))
     return linear, angular
 

@@ -115,8 +115,10 @@ def _joint(joint: ElementTree.Element, links: List[str], robot: ElementTree.Elem
             'joint {} of type {} has no <limit>, which Gazebo refuses too'.format(name, kind),
             'add <limit lower="..." upper="..." effort="..." velocity="..."/>' + (
                 ', or make its type continuous' if kind == REVOLUTE else ''))
-    damping, friction = (0.0 if dynamics is None else abs(number(dynamics, key))
-                         for key in ('damping', 'friction'))
+    damping, friction = (
+        abs(read_number('{} of joint {}'.format(key, name),
+                        '0' if dynamics is None else dynamics.get(key, '0')))
+        for key in ('damping', 'friction'))
     stiffness, reference = (
         read_number('<{}> of joint {}'.format(tag, name), text_of_tags(robot, name, tag) or '0')
         for tag in ('springStiffness', 'springReference'))

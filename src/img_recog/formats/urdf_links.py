@@ -7,8 +7,8 @@ from img_recog.errors import SimulationError
 from img_recog.files import FindFile
 from img_recog.formats import frictions, inertias, lights, materials
 from img_recog.formats.meshes.mesh_file import READABLE
-from img_recog.formats.numbers import (read_coefficient, read_lengths, read_number,
-                                       read_numbers)
+from img_recog.formats.numbers import (read_coefficient, read_lengths, read_mass,
+                                       read_number, read_numbers, read_share)
 from img_recog.formats.sdf_frames import pose_of
 from img_recog.formats.sdf_links import bitmask
 from img_recog.formats.texts import is_true, name_of, text_of
@@ -90,8 +90,8 @@ class Links:
 
     def _motion(self, name: str) -> Dict[str, Any]:
         """Return what Gazebo's tags say of how a link moves, as fields of a Link."""
-        factor = read_number('<dampingFactor> of link ' + name,
-                             text_of_tags(self._robot, name, 'dampingFactor') or '0')
+        factor = read_share('<dampingFactor> of link ' + name,
+                            text_of_tags(self._robot, name, 'dampingFactor') or '0')
         collides = text_of_tags(self._robot, name, 'selfCollide', 'self_collide') or text_of_tags(
             self._robot, '', 'self_collide')
         # each tag says it in Gazebo, also one without <turnGravityOff>
@@ -232,7 +232,7 @@ def _inertia(link: ElementTree.Element) -> Optional[Inertia]:
     name, mass, inertia = name_of(link), inertial.find('mass'), inertial.find('inertia')
     if mass is None or inertia is None:
         raise SimulationError('link {}: <inertial> must have <mass> and <inertia>'.format(name))
-    kilograms = read_number('mass of link ' + name, mass.get('value'))
+    kilograms = read_mass('mass of link ' + name, mass.get('value'))
     values = ' '.join(inertia.get(key, '0') for key in inertias.INERTIA_KEYS)
     matrix = read_numbers('inertia of link ' + name, values, 9).reshape(3, 3)
     if kilograms == 0:

@@ -93,6 +93,8 @@ def add_sensors(simulator: Simulator, kinds: Sequence[SensorKind], with_bare: bo
             continue
         try:
             spec = robot_spec.read_model(tree, world.step_s, kinds, with_bare)
+            # what has no place belongs to a drive, which only a robot has
+            spec = spec._replace(sensors=tuple(each for each in spec.sensors if each.place))
             carrier = Carrier(spec, world, body)
         except SimulationError as error:
             warnings.append('{}; its sensors are not simulated'.format(one_line(error)))

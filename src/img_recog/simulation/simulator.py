@@ -2,6 +2,8 @@
 from typing import Any, Callable, Collection, List, Optional, Sequence, Set
 
 from img_recog.simulation.carrier import Carrier, Reading
+from img_recog.simulation.guard import Guard
+from img_recog.simulation.hanging import HangingWheels
 from img_recog.simulation.physics import contacts
 from img_recog.simulation.physics.body import Body
 from img_recog.simulation.physics.standing import MAX_DEPTH_M
@@ -25,7 +27,7 @@ class Simulator:
     that are due are read. Time is the number of steps multiplied by the step.
 
     after_step: is called after each step of the physics, if it is set; warn: gets a line about
-    each body that flies away.
+    each body that flies away or is frozen, and each robot whose wheels hang in the air.
     """
 
     def __init__(self, world: World, vehicles: Sequence[Vehicle] = ()):
@@ -36,6 +38,8 @@ class Simulator:
         self.after_step: Optional[Callable[[], None]] = None
         self.warn: Callable[[str], None] = lambda line: None
         self._flying: Set[str] = set()
+        self._hanging = HangingWheels()
+        self._guard = Guard(world, self._vehicles, lambda line: self.warn(line))
         for vehicle in vehicles:
             self.add(vehicle)
 
@@ -98,6 +102,7 @@ class Simulator:
         """Advance by a number of steps; return the readings of the sensors, in order of time."""
         readings: List[Reading] = []
         end = self._steps + steps
+        self._guard.before_steps(self._steps)
         while self._steps < end:
             for carrier in self._carriers:
                 carrier.before_step(self._steps)
@@ -110,8 +115,10 @@ class Simulator:
                 self.after_step()
             self.world.step(stop - self._steps)
             self._steps = stop
+            self._guard.look(stop)
             if stop // _LOOK_STEPS > begin // _LOOK_STEPS:
                 self._look_for_flights()
+                self._hanging.look(self._vehicles, self.warn)
             readings.extend(self._read_sensors())
         return readings
 
@@ -137,9 +144,14 @@ class Simulator:
                 for (robot, scheduled), value in zip(due, values)]
 
     def overlaps(self) -> List[str]:
-        """Return which robots overlap with which bodies, as 'A in B', deeper than contacts do."""
-        return ['{} in {}'.format(vehicle.robot.name, name)
-                for vehicle in self.vehicles for name in self.overlapped(vehicle.robot)]
+        """Return which robots overlap with which bodies, as 'A in B', deeper than contacts do.
+
+        Two robots are one line.
+        """
+        pairs = {frozenset((vehicle.robot.name, name)): '{} in {}'.format(vehicle.robot.name, name)
+                 for vehicle in reversed(self.vehicles)
+                 for name in reversed(self.overlapped(vehicle.robot))}
+        return list(pairs.values())[::-1]
 
     def overlapped(self, robot: Body) -> List[str]:
         """Return the names of the bodies that a robot overlaps with, deeper than contacts do."""
@@ -169,8 +181,10 @@ class Simulator:
 
     def reset_world(self) -> None:
         """Move everything back to its start, at rest and without a command; time goes on."""
+        self._guard.reset()
         self.world.reset()
         self._flying.clear()
+        self._hanging.reset()
         for carrier in self._carriers:
             carrier.reset()
 

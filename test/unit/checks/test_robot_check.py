@@ -57,6 +57,7 @@ CASES = {
     'not simulated': (WHEELS + LAMP + MESH + UNIT,),
     'impossible inertia': (WHEELS, ('ixx="1.1175580e-5"', 'ixx="1"')),
     'planar': (DRIVE.replace('diff_drive', 'planar_move'),),
+    'wheels in the air': (WHEELS, ('0.08 0.023', '0.08 0.06'), ('-0.080 0.023', '-0.080 0.06')),
     'wheels backward': (WHEELS, (ROLLED, 'rpy="-1.57 0 0"/><axis xyz="0 0 -1"/>'))}
 
 

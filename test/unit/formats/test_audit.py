@@ -32,6 +32,11 @@ def said(text):
     (LINK.format('<collision name="c"><surface><friction><ode><mu>1</mu><slip1>2</slip1></ode>'
                  '</friction></surface></collision>'),
      'not simulated', '<slip1> of link l collision c'),
+    (LINK.format('<collision name="c"><surface><friction><ode><mu>-0.5</mu><mu2>0</mu2></ode>'
+                 '</friction></surface></collision>'), 'not used',
+     '<mu>-0.5</mu>, which means unlimited friction in Gazebo, of link l collision c'),
+    (ROBOT.format('', '<gazebo reference="l"><mu1>-1</mu1></gazebo>'), 'not used',
+     '<mu1>-1</mu1>, which means unlimited friction in Gazebo, of robot r gazebo l'),
     (MODEL.format('<link name="a"/><link name="a"/>'), 'not unique',
      'the name link a of world w model m'),
     (LINK.format('<pose>1 0 0 0 0 0</pose><pose>2 0 0 0 0 0</pose>'), 'not used',

@@ -8,7 +8,7 @@ from img_recog.simulation.sensors.odometry import OdometrySettings
 from img_recog.simulation.simulation_settings import RobotSettings
 from img_recog_helpers import wheeled
 from img_recog_helpers.refusals import refusal
-from img_recog_helpers.robots import assemble, burger, burgers_drive, read
+from img_recog_helpers.robots import assemble, build, burger, burgers_drive, read
 from img_recog_helpers.sdf import BUILT_IN, CRATE, sdf
 
 TAGS = '''<gazebo><plugin name="drive" filename="libgazebo_ros_diff_drive.so">
@@ -140,3 +140,12 @@ def test_the_controllers_of_a_robot_are_asked_for_once():
     spec = read_robot(wheeled.robot(wheeled.plugin('gazebo_ros_control')), 0.001, lambda uri: None,
                       'robot', SENSORS, controllers)
     assert (spec.settings.drive.left_joint, asked) == ('left_0_joint', [''])
+
+
+def test_robots_in_one_place_are_one_line():
+    urdf = burger('')
+    robots = [read(urdf.replace('turtlebot3_burger', name)) for name in ('one', 'two')]
+    warnings = build('empty', robots).warnings
+    assert [line for line in warnings if 'overlap' in line] == [
+        'one in two: they overlap at the start, and the physics will throw them apart; set '
+        'x_pos, y_pos, z_pos']

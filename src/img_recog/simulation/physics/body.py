@@ -18,6 +18,7 @@ _HOLDING_FORCE = 1e6    # N or N m, of the motors of joints that are held at a p
 # rad/s. At its default of 100, which the command of 10 m/s exceeds, PyBullet cuts the speed of the
 # wheels, while their motors go on and turn the robot over.
 _MAX_JOINT_VELOCITY = 1e5
+_REST = (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)
 
 
 class BodyPose(NamedTuple):
@@ -30,6 +31,22 @@ class BodyPose(NamedTuple):
     position: Vector
     orientation: Quaternion
     joints: Sequence[float]
+
+
+class BodyState(NamedTuple):
+    """All of the state of a body.
+
+    center: position and orientation of the center of mass of the base; velocity: linear and
+    angular, of that; joints: position and velocity of each movable joint. In m, m/s, rad, rad/s.
+    """
+
+    center: Tuple[Vector, Quaternion]
+    velocity: Tuple[Vector, Vector]
+    joints: Sequence[Tuple[float, float]]
+
+    def at_rest(self) -> 'BodyState':
+        """Return the same position without velocity."""
+        return BodyState(self.center, _REST, [(position, 0.0) for position, _ in self.joints])
 
 
 class FrameState(NamedTuple):
@@ -79,11 +96,7 @@ class Body:
         self.body_id = body_id
         self.physics_client_id = physics_client_id
         self.fixed = fixed
-        # of the whole body; in a call that sets something of a link, these would make PyBullet
-        # set that of the root link
-        pybullet.changeDynamics(body_id, -1, linearDamping=0, angularDamping=0,
-                                maxJointVelocity=_MAX_JOINT_VELOCITY,
-                                physicsClientId=physics_client_id)
+        self.set_defaults()
         self.links = range(-1, pybullet.getNumJoints(body_id, physicsClientId=physics_client_id))
         self.joints = self._movable_joints()
         self.root, self.name = (name.decode() for name in pybullet.getBodyInfo(
@@ -92,6 +105,14 @@ class Body:
             body_id, -1, physicsClientId=physics_client_id)[3:5]
         self._root_in_mass = pybullet.invertTransform(*self.mass_in_root)
         self.keep_as_start()
+
+    def set_defaults(self) -> None:
+        """Set what all bodies have in common; to be called after the body was loaded."""
+        # of the whole body; in a call that sets something of a link, these would make PyBullet
+        # set that of the root link
+        pybullet.changeDynamics(self.body_id, -1, linearDamping=0, angularDamping=0,
+                                maxJointVelocity=_MAX_JOINT_VELOCITY,
+                                physicsClientId=self.physics_client_id)
 
     def release(self, joints: Sequence[Joint], driven: Container[int] = ()) -> None:
         """Switch off the motors of the joints but those that are held; PyBullet holds all.
@@ -158,13 +179,27 @@ class Body:
 
     def _place(self, center: Tuple[Vector, Quaternion], joints: Sequence[float]) -> None:
         """Move the parts, at rest; center: the pose of the frame of the base's center of mass."""
-        pybullet.resetBasePositionAndOrientation(self.body_id, *center,
-                                                 physicsClientId=self.physics_client_id)
-        pybullet.resetBaseVelocity(self.body_id, (0, 0, 0), (0, 0, 0),
-                                   physicsClientId=self.physics_client_id)
-        for joint, position in zip(self.joints.values(), joints):
-            pybullet.resetJointState(self.body_id, joint, position, 0.0,
-                                     physicsClientId=self.physics_client_id)
+        self.restore(BodyState(center, _REST, [(position, 0.0) for position in joints]))
+
+    def state(self) -> BodyState:
+        """Return where the parts are and how they move, for `restore`."""
+        client = {'physicsClientId': self.physics_client_id}
+        return BodyState(pybullet.getBasePositionAndOrientation(self.body_id, **client),
+                         pybullet.getBaseVelocity(self.body_id, **client),
+                         [(value[0], value[1]) for value in self.joint_values()])
+
+    def center(self) -> Vector:
+        """Return where the center of mass of the base is."""
+        return pybullet.getBasePositionAndOrientation(
+            self.body_id, physicsClientId=self.physics_client_id)[0]
+
+    def restore(self, state: BodyState) -> None:
+        """Move the parts to a state."""
+        client = {'physicsClientId': self.physics_client_id}
+        pybullet.resetBasePositionAndOrientation(self.body_id, *state.center, **client)
+        pybullet.resetBaseVelocity(self.body_id, *state.velocity, **client)
+        for joint, values in zip(self.joints.values(), state.joints):
+            pybullet.resetJointState(self.body_id, joint, *values, **client)
 
     def joint_state(self, joint: str) -> Tuple[float, float]:
         """Return position and velocity of a joint, in rad and rad/s or m and m/s."""
@@ -176,8 +211,8 @@ class Body:
         """Let a motor hold a joint at a velocity in rad/s or m/s, with at most `limit` N m or N.
         """
         pybullet.setJointMotorControl2(
-            self.body_id, self.joints[joint], pybullet.VELOCITY_CONTROL, targetVelocity=velocity,
-            force=limit, physicsClientId=self.physics_client_id)
+            self.body_id, self.joints[joint], pybullet.VELOCITY_CONTROL, force=limit,
+            targetVelocity=possible_speed(velocity), physicsClientId=self.physics_client_id)
 
     def set_joint(self, joint: str, position: float) -> None:
         """Put a joint at a position in rad or m, at rest."""
@@ -252,6 +287,11 @@ class Body:
         at_center = np.array(linear) + np.cross(angular, arm)
         pybullet.resetBaseVelocity(self.body_id, at_center.tolist(), list(angular),
                                    physicsClientId=self.physics_client_id)
+
+
+def possible_speed(velocity: float) -> float:
+    """Return the velocity of a joint, in rad/s or m/s, nearest to one that is asked for."""
+    return max(-_MAX_JOINT_VELOCITY, min(velocity, _MAX_JOINT_VELOCITY))
 
 
 def relative(position: Vector, orientation: Quaternion, origin: Vector,

@@ -117,7 +117,7 @@ def _add_link(robot: ElementTree.Element, link: Link) -> None:
     if link.contact:
         owner = ElementTree.SubElement(element, 'contact')
         for name, value in link.contact.items():
-            ElementTree.SubElement(owner, name, value=repr(value))
+            ElementTree.SubElement(owner, name, value=words([value]))
     for solid in link.solids:
         added = ElementTree.SubElement(element, 'collision')
         if solid.is_concave and solid.shape.kind == MESH:
@@ -134,9 +134,9 @@ def _add_inertia(link: ElementTree.Element, inertia: Inertia) -> None:
     """Add the inertia also of what never moves: without it, PyBullet warns and assumes 1 kg."""
     element = ElementTree.SubElement(link, 'inertial')
     _add_origin(element, inertia.pose)
-    ElementTree.SubElement(element, 'mass', value=repr(float(inertia.mass)))
+    ElementTree.SubElement(element, 'mass', value=words([inertia.mass]))
     ElementTree.SubElement(element, 'inertia', {
-        key: repr(float(value)) for key, value in zip(INERTIA_KEYS, inertia.matrix.flat)})
+        key: words([value]) for key, value in zip(INERTIA_KEYS, inertia.matrix.flat)})
 
 
 def _add_shape(owner: ElementTree.Element, shape: Shape, pose: Transform) -> None:
@@ -152,7 +152,7 @@ def _add_shape(owner: ElementTree.Element, shape: Shape, pose: Transform) -> Non
     elif kind == MESH:
         attributes = {'filename': shape.path, 'scale': words(size)}
     else:
-        attributes = dict(zip(_ATTRIBUTES[kind], map(repr, size)))
+        attributes = dict(zip(_ATTRIBUTES[kind], words(size).split()))
     _add_origin(owner, pose)
     ElementTree.SubElement(ElementTree.SubElement(owner, 'geometry'), kind, attributes)
 
@@ -174,10 +174,10 @@ def _add_joint(robot: ElementTree.Element, joint: Joint) -> None:
         ElementTree.SubElement(element, 'axis', xyz=words(joint.axis))
     if joint.limits is not None:
         ElementTree.SubElement(element, 'limit', {
-            name: repr(value) for name, value in joint.limits._asdict().items()})
+            name: words([value]) for name, value in joint.limits._asdict().items()})
     if joint.damping or joint.friction:
-        ElementTree.SubElement(element, 'dynamics', damping=repr(joint.damping),
-                               friction=repr(joint.friction))
+        ElementTree.SubElement(element, 'dynamics', damping=words([joint.damping]),
+                               friction=words([joint.friction]))
 
 
 def _add_origin(element: ElementTree.Element, pose: Transform) -> None:

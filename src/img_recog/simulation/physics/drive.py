@@ -3,6 +3,8 @@ import abc
 import math
 from typing import NamedTuple, Tuple
 
+from img_recog.errors import SimulationError
+from img_recog.settings import computable
 from img_recog.simulation.physics.robot import Motors, SimulatedRobot
 from img_recog.simulation.simulation_settings import DriveSettings
 
@@ -63,8 +65,14 @@ class Drive(abc.ABC):
         """Call after something else has stopped or moved the robot."""
 
     def command(self, linear_x: float, angular_z: float, linear_y: float = 0.0) -> None:
-        """Set the velocity of the root link that holds until the next command: m/s and rad/s."""
-        self._command = _limited(Velocity(linear_x, linear_y, angular_z), self._velocities)
+        """Set the velocity of the root link that holds until the next command: m/s and rad/s.
+
+        Raises SimulationError if a number is not finite.
+        """
+        given = Velocity(linear_x, linear_y, angular_z)
+        if not all(map(math.isfinite, given)):
+            raise SimulationError('command: got {}, expected finite numbers'.format([*given]))
+        self._command = _limited(Velocity(*map(computable, given)), self._velocities)
         self._age = 0
         self.timed_out = False
 

@@ -1,6 +1,6 @@
 """A body whose links are known by the names that its file gives them."""
 import math
-from typing import Dict, Optional, Tuple
+from typing import Dict, Optional, Sequence, Tuple
 
 import pybullet
 
@@ -17,14 +17,20 @@ from img_recog.simulation.physics.tires import ACROSS, TREADS, owner
 class FramedBody(Body):
     """The body of a model: what sensors can be mounted on.
 
-    model: what it was made of; link_names: of the links that Gazebo has, too: without those of a
-    URDF that are parts of others, and without its `world`; first_axes: of each joint that moves,
-    by its name, the name that its first axis has in `joints`.
+    model: what it was made of; loaded: the model that PyBullet has, with tires, by default the
+    same; slides: whether it has no friction; driven: PyBullet's numbers of the joints that have
+    motors of their own; exact_hulls: see `build.load`; link_names: of the links that Gazebo has,
+    too: without those of a URDF that are parts of others, and without its `world`; first_axes: of
+    each joint that moves, by its name, the name that its first axis has in `joints`.
     """
 
-    def __init__(self, body_id: int, physics_client_id: int, model: Model, fixed: bool = False):
+    slides, exact_hulls = False, False
+    driven: Sequence[int] = ()
+
+    def __init__(self, body_id: int, physics_client_id: int, model: Model, fixed: bool = False,
+                 loaded: Optional[Model] = None):
         super().__init__(body_id, physics_client_id, fixed)
-        self.model = model
+        self.model, self.loaded = model, loaded or model
         self._frames = model.frames or {
             link.name: AttachedFrame(link.name) for link in model.links}
         # the body of a plane or terrain is a part of a link of another body
@@ -87,6 +93,9 @@ class FramedBody(Body):
         return {self._link_indices[part]: owner(name)
                 for name in self._surfaces.get(link, ())
                 for part in (name, name + TREADS, name + ACROSS) if part in self._link_indices}
+
+    def stop_wheels(self) -> None:
+        """Let the motors of the wheels hold them, if there are any."""
 
     def has_frame(self, frame: str) -> bool:
         """Return whether the model has this link."""

@@ -29,17 +29,20 @@ _EPSILON = 1e-6
 _Link = Tuple[int, int]         # PyBullet's numbers of a body and of a link of it
 
 
-def apply(body: FramedBody, slides: bool = False) -> None:
-    """Give the links of a body the friction of its model.
+def set_dynamics(body: FramedBody) -> None:
+    """Give a body its friction, and release its joints."""
+    apply(body)
+    body.release(body.model.joints, body.driven)
 
-    slides: whether it has no friction, whatever the model says.
-    """
+
+def apply(body: FramedBody) -> None:
+    """Give the links of a body the friction of its model."""
     client = {'physicsClientId': body.physics_client_id}
     given = {link.name: link.surface for link in body.model.links}
     never_move = links_of_base(body.body_id, body.physics_client_id) if body.fixed else ()
     for name, link in link_indices(body.body_id, body.physics_client_id).items():
         wheel = name.partition(tires.TREADS)[0]
-        friction = Friction(0.0) if slides else given.get(wheel, Friction())
+        friction = Friction(0.0) if body.slides else given.get(wheel, Friction())
         pybullet.changeDynamics(
             body.body_id, link, lateralFriction=friction.largest,
             anisotropicFriction=_scales(
@@ -62,12 +65,12 @@ def _scales(body: Body, link: int, friction: Friction) -> List[float]:
                                         **client))[1]
         scales = np.full(3, friction.mu)
         scales[np.argmax(np.abs(rotations.matrix(turned)[0]))] = friction.across
-        return (scales / friction.largest).tolist()
+        return (scales / (friction.largest or 1.0)).tolist()
     to_center = rotations.matrix(pybullet.getDynamicsInfo(body.body_id, link, **client)[4]).T
     direction = np.array(friction.direction) / np.linalg.norm(friction.direction)
     scales = np.full(3, friction.across)
     scales[np.argmax(np.abs(to_center @ direction))] = friction.mu
-    return (scales / friction.largest).tolist()
+    return (scales / (friction.largest or 1.0)).tolist()
 
 
 class _Surface(NamedTuple):

@@ -7,7 +7,7 @@ from img_recog import rotations
 from img_recog.errors import SimulationError
 from img_recog.model import CONTINUOUS, Model
 from img_recog.simulation.physics import build, friction, tires
-from img_recog.simulation.physics.body import BodyPose
+from img_recog.simulation.physics.body import BodyPose, possible_speed
 from img_recog.simulation.physics.framed_body import FramedBody
 from img_recog.simulation.simulation_settings import SpawnSettings
 
@@ -47,8 +47,8 @@ class SimulatedRobot(FramedBody):
         """
         shod = tires.added(model, [name for _, name in motors.joints])
         super().__init__(build.load(shod, physics_client_id, exact_hulls=True), physics_client_id,
-                         model)
-        self.name = model.name
+                         model, loaded=shod)
+        self.name, self.slides, self.exact_hulls = model.name, motors.slides, True
         self.spawn = spawn
         self._wheels = tuple(self._wheel_index(*joint, left_out=model.left_out)
                              for joint in motors.joints)
@@ -57,7 +57,11 @@ class SimulatedRobot(FramedBody):
         self._published = {name: self.joints[name] for name in dict.fromkeys(
             (*(name for _, name in right_first), *self.joints))}
         self._torques = (motors.torque,) * len(self._wheels)
-        self._set_dynamics(model, motors.slides)
+        # without friction, nothing would stop a wheel again that turned a little
+        self.driven = (*self._wheels, *(
+            self.joints[joint.name] for joint in model.joints
+            if motors.slides and joint.kind == CONTINUOUS and joint.name in self.joints))
+        friction.set_dynamics(self)
         self.reset()
 
     def reset(self) -> None:
@@ -86,7 +90,8 @@ class SimulatedRobot(FramedBody):
     def set_wheel_velocities(self, velocities: Sequence[float]) -> None:
         """Set the target velocities of the motors of the wheels, in rad/s."""
         pybullet.setJointMotorControlArray(
-            self.body_id, self._wheels, pybullet.VELOCITY_CONTROL, targetVelocities=velocities,
+            self.body_id, self._wheels, pybullet.VELOCITY_CONTROL,
+            targetVelocities=list(map(possible_speed, velocities)),
             forces=self._torques, physicsClientId=self.physics_client_id)
 
     def joint_states(self) -> JointStates:
@@ -109,10 +114,3 @@ class SimulatedRobot(FramedBody):
                     name, ', '.join(self.joints) or 'none'),
                 'set {} to the joint of a wheel'.format(setting))
         return self.joints[name]
-
-    def _set_dynamics(self, model: Model, slides: bool) -> None:
-        friction.apply(self, slides)
-        # without friction, nothing would stop a wheel again that turned a little
-        held = [self.joints[joint.name] for joint in model.joints
-                if slides and joint.kind == CONTINUOUS and joint.name in self.joints]
-        self.release(model.joints, [*self._wheels, *held])

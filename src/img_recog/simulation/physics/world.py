@@ -67,7 +67,7 @@ class World:
         self.floor: Optional[FramedBody] = None
         if file.has_floor:
             (_, self.floor), = load_bodies([FLOOR], physics_client_id)
-            self._set_dynamics(self.floor)
+            friction.set_dynamics(self.floor)
             self._meeting.add([self.floor])
         try:
             self.add(file.trees, problems)
@@ -95,7 +95,7 @@ class World:
                 for joint in body.joints:
                     body.set_joint(joint, tree.positions.get(joint, 0.0))
                 body.keep_as_start()
-            self._set_dynamics(body)
+            friction.set_dynamics(body)
             if body.fixed and body.joints:
                 for plane in planes:
                     self._free_of(plane, body)
@@ -107,6 +107,11 @@ class World:
         self.bodies += [body for _, body in loaded]
         self.file = self.file._replace(trees=(*self.file.trees, *(tree for tree, _ in loaded)))
         self.notify_changed()
+
+    @property
+    def fixed(self) -> List[FramedBody]:
+        """The bodies that never move, and the floor."""
+        return [body for body in (self.floor, *self.bodies) if body is not None and body.fixed]
 
     def set_gravity(self, gravity: Tuple[float, ...]) -> None:
         """Let another gravity (3,) act from the next step on, in m/s2."""
@@ -163,7 +168,7 @@ class World:
         self._meeting.forget(body)
         self._forces.pop(body.body_id, None)
         self._directions.pop(body.body_id, None)
-        gears.remove(self._gears.pop(body.body_id), self.physics_client_id)
+        gears.remove(self._gears.pop(body.body_id, ()), self.physics_client_id)
         self.pushes.forget(body)
 
     def unload(self, body: Body) -> None:
@@ -182,10 +187,25 @@ class World:
         self.file = self.file._replace(trees=tuple(self.file.trees[number] for number in kept))
         self.notify_changed()
 
-    @staticmethod
-    def _set_dynamics(body: FramedBody) -> None:
-        friction.apply(body)
-        body.release(body.model.joints)
+    def load_again(self, bodies: Sequence[FramedBody], freeze: bool = False) -> None:
+        """Replace the bodies of a model in PyBullet, which simulates none again that had NaN.
+
+        They are at the origin then. freeze: whether nothing moves them, nor their joints.
+        """
+        for body in bodies:
+            held = [value[0] for value in body.joint_values()] if freeze else ()
+            self._let_go(body)
+            pybullet.removeBody(body.body_id, physicsClientId=self.physics_client_id)
+            # PyBullet gives the number that was free last
+            build.load(body.loaded.held_at(dict(zip(body.joints, held))), self.physics_client_id,
+                       body.fixed or freeze, problems=Problems(), exact_hulls=body.exact_hulls)
+            body.set_defaults()
+        self._meeting.add(bodies) if freeze else self.adopt(bodies)
+        for body in bodies:
+            friction.set_dynamics(body)
+            body.stop_wheels()
+        self._pairs.reset()
+        self.notify_changed()
 
     def step(self, count: int = 1) -> None:
         """Advance the physics by a number of steps."""
@@ -249,10 +269,10 @@ def load_bodies(trees: Sequence[Tree], physics_client_id: int, visuals: bool = F
         for tree in trees:
             is_first |= tree.first
             try:
-                model = tree.model if tree.fixed else tires.added(tree.model)
+                shod = tree.model if tree.fixed else tires.added(tree.model)
                 body = FramedBody(
-                    build.load(model, physics_client_id, tree.fixed, tree.pose, visuals, problems),
-                    physics_client_id, tree.model, tree.fixed)
+                    build.load(shod, physics_client_id, tree.fixed, tree.pose, visuals, problems),
+                    physics_client_id, tree.model, tree.fixed, shod)
             except SimulationError as error:
                 refused = SimulationError('model {}: {}'.format(
                     shortened(tree.name), error.problem), error.advice)

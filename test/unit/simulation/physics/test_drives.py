@@ -1,4 +1,6 @@
 """The speed that each kind of drive has against the speed that is asked of it."""
+import math
+
 import pybullet
 import pytest
 import trimesh
@@ -178,3 +180,19 @@ def test_without_a_plugin_a_robot_drives_by_parameters_or_stands(parameters, spe
     if drive.left_joints:       # what nothing gives is measured, or that of the plugin
         assert (drive.wheel_separation, drive.wheel_diameter, drive.wheel_torque,
                 drive.wheel_acceleration) == (0.4, 0.2, 5.0, 0.0)
+
+
+@pytest.mark.parametrize('command', [(float('nan'), 0.0, 0.0), (0.0, float('inf'), 0.0),
+                                     (0.0, 0.0, float('-inf'))])
+def test_a_command_that_is_not_finite_is_refused(command):
+    vehicle, = assembled(robot(DIFFERENTIAL, FOUR)).simulator.vehicles
+    assert refusal(vehicle.command, *command).startswith('command: got [')
+
+
+@pytest.mark.parametrize('tags', [DIFFERENTIAL, PLANAR])
+def test_an_endless_command_brings_no_nan(tags):
+    simulator = assembled(robot(tags, FOUR)).simulator
+    for _ in range(30):
+        simulator.vehicles[0].command(1e308, -1e308, 1e308)
+        simulator.advance(10)
+    assert all(map(math.isfinite, simulator.vehicles[0].robot.pose().position))

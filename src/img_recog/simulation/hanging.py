@@ -1,0 +1,45 @@
+"""Looks for robots that stand on other links than their driven wheels, and so cannot drive."""
+from typing import Callable, Dict, List, Sequence, Set
+
+from img_recog import rotations
+from img_recog.simulation.physics import contacts, tires
+from img_recog.simulation.physics.client import link_indices
+from img_recog.simulation.vehicle import Vehicle
+
+_LOOKS = 2              # in a row: at the start, a robot may still fall
+_UPRIGHT = 0.95         # vertical part of the z axis of a robot: 18 degrees
+
+
+class HangingWheels:
+    """Warns of each robot whose wheels hang in the air, once."""
+
+    def __init__(self) -> None:
+        self._counts: Dict[str, int] = {}       # of looks in a row, by robot
+        self._told: Set[str] = set()
+
+    def reset(self) -> None:
+        """Call after the robots were moved to their starts."""
+        self._counts.clear()
+
+    def look(self, vehicles: Sequence[Vehicle], warn: Callable[[str], None]) -> None:
+        """Look at robots; warn: gets a line about each one."""
+        for vehicle in vehicles:
+            name, links = vehicle.robot.name, _standing_on(vehicle)
+            self._counts[name] = self._counts.get(name, 0) + 1 if links else 0
+            if self._counts[name] == _LOOKS and name not in self._told:
+                self._told.add(name)
+                warn('{}: no driven wheel touches anything, it stands on {}; lower its wheels, or '
+                     'raise what it stands on'.format(name, ', '.join(links)))
+
+
+def _standing_on(vehicle: Vehicle) -> List[str]:
+    """Return the links on which a robot stands upright, if none of them is a driven wheel."""
+    robot, drive = vehicle.robot, vehicle.settings.drive
+    names = {index: tires.owner(name) for name, index in link_indices(
+        robot.body_id, robot.physics_client_id).items()}
+    driven = {names[robot.joints[name]] for name in (*drive.left_joints, *drive.right_joints)
+              if name in robot.joints}
+    if not driven or rotations.matrix(robot.pose().orientation)[2, 2] < _UPRIGHT:
+        return []
+    touching = {names[point.link] for point in contacts.of(robot) if point.force > 0}
+    return [] if touching & driven else sorted(touching)
