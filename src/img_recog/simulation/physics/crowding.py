@@ -4,7 +4,7 @@ PyBullet's solver copies all points that it has for each one that is new: the ti
 square.
 """
 import math
-from typing import Sequence
+from typing import Iterator, Sequence
 
 import pybullet
 
@@ -29,7 +29,7 @@ def check(bodies: Sequence[Body]) -> str:
         return ''
     near = []
     for body in moving:
-        near.append(_count_near(body))
+        near.append(sum(other != body.body_id for other in near_bodies(body)))
         if sum(near) > _MAX_NEAR:
             break
     time_s = math.inf
@@ -54,9 +54,8 @@ def check(bodies: Sequence[Body]) -> str:
         'the next step of the physics takes about {:.0f} s: {}'.format(time_s, reason))
 
 
-def _count_near(body: Body) -> int:
-    """Return how many links of others are in the boxes around those of a body."""
+def near_bodies(body: Body) -> Iterator[int]:
+    """Yield PyBullet's number of the body of each link that is in the box around a link."""
     client = {'physicsClientId': body.physics_client_id}
-    return sum(other != body.body_id for link in body.links
-               for other, _ in pybullet.getOverlappingObjects(
-                   *pybullet.getAABB(body.body_id, link, **client), **client) or ())
+    return (other for link in body.links for other, _ in pybullet.getOverlappingObjects(
+        *pybullet.getAABB(body.body_id, link, **client), **client) or ())

@@ -43,7 +43,7 @@ class Meeting:
     def add(self, bodies: Sequence[FramedBody]) -> None:
         """Add the bodies of a model."""
         for body in bodies:
-            self._set_masks(body)
+            self.set_masks(body)
             if has_spaces(body.model):
                 self._keep_apart(body, body)
         for one, other in itertools.combinations(bodies, 2):
@@ -78,7 +78,11 @@ class Meeting:
         for link, masks in self._masks.items():
             pybullet.setCollisionFilterGroupMask(*link, *masks, **self._client)
 
-    def _set_masks(self, body: FramedBody) -> None:
+    def set_masks(self, body: FramedBody) -> None:
+        """Set what the links of a body meet.
+
+        Rays and contacts then find a body that was moved while it slept.
+        """
         indices = link_indices(body.body_id, body.physics_client_id)
         static = links_of_base(body.body_id, body.physics_client_id) if body.fixed else ()
         for link in body.model.links:
