@@ -54,8 +54,14 @@ def check(bodies: Sequence[Body]) -> str:
         'the next step of the physics takes about {:.0f} s: {}'.format(time_s, reason))
 
 
-def near_bodies(body: Body) -> Iterator[int]:
-    """Yield PyBullet's number of the body of each link that is in the box around a link."""
+def near_bodies(body: Body, margin_m: float = 0.0) -> Iterator[int]:
+    """Yield PyBullet's number of the body of each link near a link of a body, also of itself.
+
+    margin_m: how far the boxes around the links of the body are enlarged.
+    """
     client = {'physicsClientId': body.physics_client_id}
-    return (other for link in body.links for other, _ in pybullet.getOverlappingObjects(
-        *pybullet.getAABB(body.body_id, link, **client), **client) or ())
+    for link in body.links:
+        low, high = pybullet.getAABB(body.body_id, link, **client)
+        yield from (other for other, _ in pybullet.getOverlappingObjects(
+            [value - margin_m for value in low], [value + margin_m for value in high],
+            **client) or ())

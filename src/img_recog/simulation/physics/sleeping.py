@@ -1,8 +1,8 @@
 """Lets bodies at rest fall asleep like ODE does, so that they cost little.
 
-A body that was slow for 1 s falls asleep if it rests on something, and all that it touches sleeps,
-is fixed or falls asleep with it. PyBullet leaves out a group of bodies that all sleep, and wakes
-the group when a body that is awake comes near. It does not notice that a body was moved, removed
+A body that was slow for 1 s falls asleep if it rests on something, and all that is near sleeps, is
+fixed or falls asleep with it. PyBullet leaves out a group of bodies that all sleep, and wakes the
+group when a body that is awake comes near. It does not notice that a body was moved, removed
 or pushed from outside: then `wake` or `wake_near` must be called. PyBullet leaves out a body in
 the step after that, too, and sets its velocity to 0 in that step.
 """
@@ -17,6 +17,7 @@ from img_recog.simulation.physics.framed_body import FramedBody
 
 # the rule of Gazebo 11 for ODE, see ODEPhysics::Load and dInternalHandleAutoDisabling
 _IDLE_S, _IDLE_SPEED = 1.0, 0.1         # m/s and rad/s
+_NEAR_M = 0.05          # PyBullet enlarges the boxes around bodies by this (gDbvtMargin)
 _PERIOD_S = 0.05        # between two checks
 _PERIODS_ASLEEP = 10    # between two checks whether PyBullet has woken a body
 # how often a body was found slow: from _IDLE on it can stop, which takes PyBullet a step
@@ -35,6 +36,7 @@ class Sleeping:
         self._client = {'physicsClientId': physics_client_id}
         self._period, self._steps = max(1, round(_PERIOD_S / step_s)), 0
         self._counts: Dict[int, int] = {}       # in how many checks in a row each body was slow
+        self._bodies: Dict[int, FramedBody] = {}
         self._fixed: Set[int] = set()
         self._velocities: Dict[int, Any] = {}   # of moved bodies that slept, after the next step
         self._stopped = self._velocities        # the same, in that step
@@ -57,7 +59,7 @@ class Sleeping:
             if body.is_plane:       # no contacts are computed between two bodies that sleep
                 self._set(body.body_id, _SLEEP, _ASLEEP)
         elif body.model.can_sleep and not (body.fixed or body.joints or has_forces):
-            self._counts[body.body_id] = 0
+            self._bodies[body.body_id], self._counts[body.body_id] = body, 0
 
     def forget(self, body: Body) -> None:
         """Wake what a body touches; call it before the body is removed."""
@@ -84,8 +86,8 @@ class Sleeping:
         Returns whether the body itself slept. If so, it keeps the velocity that it has now.
         """
         if max(self._counts.values(), default=0) > _IDLE:
-            self.wake({*crowding.near_bodies(body), *(point.other for point in contacts.of(body))}
-                      - {body.body_id})
+            near = crowding.near_bodies(body, _NEAR_M)
+            self.wake({*near, *(point.other for point in contacts.of(body))} - {body.body_id})
         slept = bool(self.wake([body.body_id])) or body.body_id in self._velocities
         self._stopped.pop(body.body_id, None)
         if slept:
@@ -130,13 +132,10 @@ class Sleeping:
             self._set(body, _SLEEP, self._counts[body])
 
     def _settled(self, bodies: Set[int]) -> Set[int]:
-        """Return those of the bodies that rest on something and touch nothing that is not at rest.
-        """
-        others: Dict[int, Set[int]] = {}
-        for body in bodies:
-            points = pybullet.getContactPoints(body, **self._client)
-            if any(point[9] > 0 for point in points):       # a force
-                others[body] = {other for point in points for other in point[1:3]}
+        """Return those of the bodies that rest on something and are near to nothing that moves."""
+        others = {body: set(crowding.near_bodies(self._bodies[body], _NEAR_M)) for body in bodies
+                  if any(point[9] > 0 for point in pybullet.getContactPoints(
+                      body, **self._client))}       # forces
         still, settled = self._fixed | self.asleep, set(others)
         while True:
             restless = {body for body in settled if not others[body] <= settled | still}

@@ -169,6 +169,17 @@ def test_what_wakes(way):
     assert asleep(simulator) == {name.partition('::')[0] for name in still}
 
 
+def test_a_pile_sleeps_as_a_whole_and_is_not_woken_by_its_own_members():
+    simulator = simulated(*(box('b{}'.format(number), '{} {} {} 0.3 0.{} 0'.format(
+        0.11 * (number % 4), 0.13 * (number % 3), 0.2 + 0.12 * number, number % 5))
+        for number in range(16)))
+    simulator.advance(8000)
+    before = bits(simulator)
+    assert len(asleep(simulator)) == 16
+    simulator.advance(500)
+    assert len(asleep(simulator)) == 16 and bits(simulator) == before
+
+
 def test_what_touches_something_awake_stays_awake():
     simulator = simulated(slider('0 0 0.3', (0.6, 0.6, 0.1)), box('b', '0 0 0.45'),
                           box('c', '0 0 0.65'), box('d', '3 0 0.1'))
