@@ -359,7 +359,7 @@ class Model:
     tags: of its sensors and plugins; missing_meshes: URIs; missing_looks: what is not known or not
     found of materials; warnings: what is simulated in another way than given, a line each;
     left_out: joints; changed_inertias: links; held: joints of an SDF that hold links fast; gears:
-    between its joints.
+    between its joints; can_sleep: whether it may fall asleep if it has no joint that moves.
     """
 
     name: str
@@ -375,6 +375,7 @@ class Model:
     changed_inertias: Tuple[str, ...] = ()
     held: Tuple[str, ...] = ()
     gears: Tuple[Gear, ...] = ()
+    can_sleep: bool = True
 
     def held_at(self, positions: Mapping[str, float]) -> 'Model':
         """Return the model with some joints fixed at positions in rad or m, by their names."""

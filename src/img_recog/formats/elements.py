@@ -100,10 +100,10 @@ SDF: Dict[str, Fates] = {
     'state/light': Fates('', 'pose'),
     'state/model': _STATE, 'state/model/link': _STATE_LINK,
     'state/model/model': _STATE, 'state/model/model/link': _STATE_LINK,
-    'model': Fates('static? pose link joint include model frame sensor self_collide?',
-                   no_effect='allow_auto_disable enable_wind light',
-                   not_simulated='gripper plugin', why='nothing falls asleep here, there is no '
-                   'wind, and Gazebo draws the lights of links alone'),
+    'model': Fates('static? pose link joint include model frame sensor self_collide? '
+                   'allow_auto_disable?', no_effect='enable_wind light',
+                   not_simulated='gripper plugin',
+                   why='there is no wind, and Gazebo draws the lights of links alone'),
     'include': Fates('uri name pose static?', not_simulated='placement_frame plugin frame joint'),
     'model/frame': Fates('pose'), 'world/frame': Fates('pose'),
     'link': Fates('pose inertial collision visual sensor gravity? kinematic? self_collide? '
@@ -160,7 +160,7 @@ SDF: Dict[str, Fates] = {
 # in a <gazebo> tag with a reference, which Gazebo copies into the link or joint
 _TAGS = Fates('sensor visual collision plugin mu1 mu2 fdir1 material turnGravityOff? selfCollide? '
               'self_collide? dampingFactor springReference springStiffness kp kd maxVel '
-              'minDepth', 'light',
+              'minDepth allow_auto_disable?', 'light',
               'maxContacts stopCfm stopErp fudgeFactor provideFeedback '
               'implicitSpringDamper cfmDamping disableFixedJointLumping preserveFixedJoint '
               'genTexCoord', 'static=0 gravity=1 laserRetro=0 velocity_decay=0 kinematic=0',

@@ -31,7 +31,7 @@ _DYNAMICS = {'damping': 'damping', 'friction': 'friction', 'stiffness': 'spring_
 
 class SdfLink(NamedTuple):
     """A link by its full name; pose: in the outermost model; is_static: whether nothing moves it;
-    space: see Link; scope: of the frames in it."""
+    space: see Link; scope: of the frames in it; can_sleep: see Model."""
 
     name: str
     element: ElementTree.Element
@@ -39,6 +39,7 @@ class SdfLink(NamedTuple):
     is_static: bool
     space: str
     scope: Scope
+    can_sleep: bool
 
 
 class Axis(NamedTuple):
@@ -107,7 +108,9 @@ class Joints:
                     name, link, pose @ scope.pose(link),
                     is_static or is_true(link.findtext('kinematic')),
                     name if collides_with_all(link, model) else prefix,
-                    Scope(link, self._problems, scope))
+                    Scope(link, self._problems, scope),
+                    link.find('sensor') is None and model.find('joint') is None
+                    and is_true(model.findtext('allow_auto_disable', '1')))
         for nested in model.findall('model'):
             with self._problems.left_out():
                 self._collect(nested, '{}{}::'.format(prefix, name_of(nested)),

@@ -132,7 +132,7 @@ class _Builder:
                        for link in names}, {tag.link: (tag.link,) for tag in tags}, tags,
                       warnings=tuple(self._warnings),
                       held=tuple(joint.name for joint in used if joint.kind == FIXED),
-                      gears=(*self._gears, *gears))
+                      gears=(*self._gears, *gears), can_sleep=root.can_sleep and not used)
         tree = Tree('{}::{}'.format(name, root.name), lumping.divided(model), model_pose @ base,
                     is_fixed or base is not root.pose, base)
         return [tree, *(_placed(*each, name, model_pose) for each in self._grounds)]

@@ -66,7 +66,9 @@ def read(robot: ElementTree.Element, find: FindFile,
                   if tag.find("sensor[@type='contact']/plugin") is not None},
         tags=tuple(Tag(tag.get('reference', ''), tag) for tag in robot.findall('gazebo')),
         missing_meshes=tuple(reader.missing_meshes), missing_looks=tuple(reader.missing_looks),
-        warnings=('it contains xacro ({}), which is not expanded'.format(xacro),) if xacro else ())
+        warnings=('it contains xacro ({}), which is not expanded'.format(xacro),) if xacro else (),
+        can_sleep=robot.find('gazebo/sensor') is None
+        and is_true(text_of_tags(robot, '', 'allow_auto_disable') or '1'))
 
 
 def used_tags(robot: ElementTree.Element, model: Model) -> Tuple[List[Tag], List[str]]:

@@ -6,6 +6,7 @@ from img_recog.simulation.guard import Guard
 from img_recog.simulation.hanging import HangingWheels
 from img_recog.simulation.physics import contacts
 from img_recog.simulation.physics.body import Body
+from img_recog.simulation.physics.framed_body import FramedBody
 from img_recog.simulation.physics.standing import MAX_DEPTH_M
 from img_recog.simulation.physics.world import World
 from img_recog.simulation.sensors import ray_sensor
@@ -76,7 +77,7 @@ class Simulator:
         self._carriers = [each for each in self._carriers if each.robot not in bodies]
         self.world.remove(bodies)
 
-    def notify_moved(self, bodies: Sequence[Body]) -> None:
+    def notify_moved(self, bodies: Sequence[FramedBody]) -> None:
         """Call after bodies were moved from outside."""
         for carrier in self._carriers:
             if carrier.robot in bodies:

@@ -4,7 +4,7 @@ PyBullet's solver copies all points that it has for each one that is new: the ti
 square.
 """
 import math
-from typing import Sequence
+from typing import Iterator, Sequence
 
 import pybullet
 
@@ -29,7 +29,7 @@ def check(bodies: Sequence[Body]) -> str:
         return ''
     near = []
     for body in moving:
-        near.append(_count_near(body))
+        near.append(sum(other != body.body_id for other in near_bodies(body)))
         if sum(near) > _MAX_NEAR:
             break
     time_s = math.inf
@@ -54,9 +54,14 @@ def check(bodies: Sequence[Body]) -> str:
         'the next step of the physics takes about {:.0f} s: {}'.format(time_s, reason))
 
 
-def _count_near(body: Body) -> int:
-    """Return how many links of others are in the boxes around those of a body."""
+def near_bodies(body: Body, margin_m: float = 0.0) -> Iterator[int]:
+    """Yield PyBullet's number of the body of each link near a link of a body, also of itself.
+
+    margin_m: how far the boxes around the links of the body are enlarged.
+    """
     client = {'physicsClientId': body.physics_client_id}
-    return sum(other != body.body_id for link in body.links
-               for other, _ in pybullet.getOverlappingObjects(
-                   *pybullet.getAABB(body.body_id, link, **client), **client) or ())
+    for link in body.links:
+        low, high = pybullet.getAABB(body.body_id, link, **client)
+        yield from (other for other, _ in pybullet.getOverlappingObjects(
+            [value - margin_m for value in low], [value + margin_m for value in high],
+            **client) or ())

@@ -47,7 +47,7 @@ class Meeting:
     def add(self, bodies: Sequence[FramedBody]) -> None:
         """Add the bodies of a model."""
         for body in bodies:
-            self._set_masks(body)
+            self.set_masks(body)
             if has_spaces(body.model):
                 self._keep_apart(body, body)
         for one, other in itertools.combinations(bodies, 2):
@@ -89,7 +89,11 @@ class Meeting:
         if link in self._masks:
             pybullet.setCollisionFilterGroupMask(*link, *self._masks[link], **self._client)
 
-    def _set_masks(self, body: FramedBody) -> None:
+    def set_masks(self, body: FramedBody) -> None:
+        """Set what the links of a body meet.
+
+        Rays and contacts then find a body that was moved while it slept.
+        """
         indices = link_indices(body.body_id, body.physics_client_id)
         static = links_of_base(body.body_id, body.physics_client_id) if body.fixed else ()
         is_floor = body.is_plane or body.is_terrain

@@ -1,6 +1,6 @@
 """Forces from outside that act on links and joints for a time, as those of gazebo_ros do."""
 from dataclasses import dataclass
-from typing import Callable, Dict, Hashable, List
+from typing import Callable, Container, Dict, Hashable, List
 
 import numpy as np
 import pybullet
@@ -77,9 +77,19 @@ class Pushes:
     def __bool__(self) -> bool:
         return bool(self._pushes)
 
+    @property
+    def bodies(self) -> List[int]:
+        """PyBullet's numbers of the bodies that they act on."""
+        return [push.body.body_id for push in self._pushes]
+
     def add(self, push: Push) -> None:
         """Let it act, from the next step on or when it has waited."""
         self._pushes.append(push)
+
+    def delay(self, bodies: Container[int]) -> None:
+        """Let those on some bodies, by PyBullet's numbers, begin one step later."""
+        for push in self._pushes:
+            push.wait += push.body.body_id in bodies
 
     def apply(self) -> None:
         """Let them act in the next step."""

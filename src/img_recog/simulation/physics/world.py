@@ -16,6 +16,7 @@ from img_recog.simulation.physics.forces import Forces
 from img_recog.simulation.physics.framed_body import FramedBody
 from img_recog.simulation.physics.meeting import Meeting
 from img_recog.simulation.physics.pushes import Pushes
+from img_recog.simulation.physics.sleeping import Sleeping
 from img_recog.simulation.physics.solids import Solids
 from img_recog.simulation.simulation_settings import PhysicsSettings
 
@@ -30,11 +31,12 @@ class World:
 
     physics_client_id: to be passed to every PyBullet call; step_s: of the physics; solids: of all
     bodies in the client; floor: None in a world without; file: what stands in the world now;
-    bodies: one for each tree in `file`; pushes: that act for a time; revision: the number of times
-    that something was added or removed, robots too, or that something fixed was moved for the
-    first time; lifted: how far, in m, each body was moved upward that was in the floor when it was
-    added, by name; crowded: a line if the step after the last `add` takes long; warnings: what
-    else of that `add` is simulated in another way, a line each.
+    bodies: one for each tree in `file`; pushes: that act for a time; sleeping: the bodies that
+    can fall asleep; revision: the number of times that something was added or removed, robots
+    too, or that something fixed was moved for the first time; lifted: how far, in m, each body
+    was moved upward that was in the floor when it was added, by name; crowded: a line if the
+    step after the last `add` takes long; warnings: what else of that `add` is simulated in
+    another way, a line each.
     """
 
     def __init__(self, settings: PhysicsSettings, file: WorldFile, physics_client_id: int,
@@ -49,7 +51,7 @@ class World:
         self._forces: Dict[int, Forces] = {}
         self._gears: Dict[int, List[int]] = {}
         self._directions: Dict[int, Directions] = {}
-        self.pushes = Pushes()
+        self.pushes, self.sleeping = Pushes(), Sleeping(physics_client_id, settings.step_s)
         self.file, self.revision = file._replace(trees=()), 0
         self.bodies: List[FramedBody] = []
         self.lifted: Dict[str, float] = {}
@@ -69,6 +71,7 @@ class World:
             (_, self.floor), = load_bodies([FLOOR], physics_client_id)
             friction.set_dynamics(self.floor)
             self._meeting.add([self.floor])
+            self.sleeping.add(self.floor)
         try:
             self.add(file.trees, problems)
         except SimulationError as error:
@@ -104,6 +107,8 @@ class World:
                 if lifted.onto:
                     body.keep_as_start()
                     self.lifted[body.name] = lifted.height_m
+            self.sleeping.add(body, body.body_id in self._forces)
+            self.sleeping.wake_near(body)
         self.bodies += [body for _, body in loaded]
         self.file = self.file._replace(trees=(*self.file.trees, *(tree for tree, _ in loaded)))
         self.notify_changed()
@@ -119,6 +124,7 @@ class World:
         self.file = self.file._replace(gravity=gravity)
         for forces in self._forces.values():
             forces.gravity = gravity
+        self.sleeping.wake()
 
     def lift(self, body: Body) -> standing.Lift:
         """Move a robot upward until it is in nothing, see `standing.lift`."""
@@ -165,6 +171,7 @@ class World:
 
     def _let_go(self, body: Body) -> None:
         """Undo `adopt`; call it before the body is removed."""
+        self.sleeping.forget(body)
         self._meeting.forget(body)
         self._forces.pop(body.body_id, None)
         self._directions.pop(body.body_id, None)
@@ -223,10 +230,16 @@ class World:
         if self._pairs.needs_updates:
             acting.append(self._pairs.update)
         acting += [directions.update for directions in self._directions.values()]
-        for _ in range(count):
-            for act in acting:
-                act()
-            step(physicsClientId=physics_client_id)
+        while count > 0:
+            steps = count
+            if self.sleeping:
+                self.pushes.delay(self.sleeping.wake(self.pushes.bodies))
+                steps = self.sleeping.before_steps(steps)
+            for _ in range(steps):
+                for act in acting:
+                    act()
+                step(physicsClientId=physics_client_id)
+            count -= steps
 
     def close(self) -> None:
         """End the physics client; nothing of it can be used any more."""
@@ -235,6 +248,7 @@ class World:
     def reset(self) -> None:
         """Move all bodies back to where they were when they were added, at rest."""
         self.pushes.clear()
+        self.sleeping.reset()
         for body in self.bodies:
             body.reset()
         self._pairs.reset()
@@ -248,9 +262,11 @@ class World:
         self.solids.others = {body.body_id for body in self.bodies if body.is_terrain}
         self.solids.forget()
 
-    def notify_moved(self, bodies: Sequence[Body]) -> None:
+    def notify_moved(self, bodies: Sequence[FramedBody]) -> None:
         """Call after bodies were moved; from then on, fixed ones among them can move, too."""
         for body in bodies:
+            if self.sleeping.wake_near(body):
+                self._meeting.set_masks(body)
             if body.fixed and not body.was_moved:
                 body.was_moved = True
                 self.revision += 1
