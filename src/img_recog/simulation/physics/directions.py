@@ -6,7 +6,7 @@ them, both sides of the pyramid become the same. So there are two links with the
 share the load: one has friction around the wheel, the other one along its axle.
 """
 import math
-from typing import Mapping, NamedTuple, Optional, Tuple
+from typing import Dict, Mapping, NamedTuple, Optional, Tuple
 
 import numpy as np
 import pybullet
@@ -16,7 +16,7 @@ from img_recog.model import Friction, Joint
 from img_recog.simulation.physics.body import Vector
 from img_recog.simulation.physics.client import link_indices
 from img_recog.simulation.physics.framed_body import FramedBody
-from img_recog.simulation.physics.tires import ACROSS, TREADS
+from img_recog.simulation.physics.tires import ACROSS, wheel_of
 
 _PERIOD_STEPS = 10
 _PARALLEL = 0.7
@@ -29,21 +29,16 @@ class _Wheel(NamedTuple):
 
     Attributes:
         link: PyBullet's index of the wheel.
-        around: PyBullet's index of the link with friction around the wheel.
-        across: PyBullet's index of the link with friction along the axle.
-        axle: Unit vector (3,), in the frame of the center of mass of both links.
-        around_scales: Scales (3,) of friction along the axes of that frame.
-        across_scales: The same for the other link.
+        axle: Unit vector (3,), in the frame of the center of mass of each tread.
         turning: The direction of friction (3,) in that frame if it turns with the wheel.
+        scales: Scales (3,) of friction along the axes of that frame, by PyBullet's index of the
+            link with the tread.
     """
 
     link: int
-    around: int
-    across: int
     axle: Vector
-    around_scales: Vector
-    across_scales: Vector
     turning: Optional[Vector]
+    scales: Dict[int, Vector]
 
 
 class Directions:
@@ -53,27 +48,32 @@ class Directions:
         self._body, self._client = body, {'physicsClientId': body.physics_client_id}
         indices = link_indices(body.body_id, body.physics_client_id)
         surfaces = {link.name: link.surface for link in body.model.links}
+        wheels = {wheel_of(name) for name in indices if name.endswith(ACROSS)}
         self._wheels = [self._wheel(joint, indices, surfaces[joint.child])
-                        for joint in body.model.joints if joint.child + ACROSS in indices]
+                        for joint in body.model.joints if joint.child in wheels]
         self.reset()
 
     def __bool__(self) -> bool:
         return bool(self._wheels)
 
     def _wheel(self, joint: Joint, indices: Mapping[str, int], friction: Friction) -> _Wheel:
-        direction = np.array(friction.direction) / np.linalg.norm(friction.direction)
-        axle, around = np.asarray(joint.axis), indices[joint.child + TREADS]
+        direction, axle = np.array(friction.direction), np.asarray(joint.axis)
+        direction /= np.linalg.norm(direction)
+        treads = {name: index for name, index in indices.items()
+                  if name != joint.child and wheel_of(name) == joint.child}
         turn = rotations.matrix(pybullet.getDynamicsInfo(
-            self._body.body_id, around, **self._client)[4]).T
+            self._body.body_id, next(iter(treads.values())), **self._client)[4]).T
         is_axle = np.abs(turn @ axle) > _PARALLEL
         is_along_axle = abs(axle @ direction) > _PARALLEL
         coefficients = friction.mu, friction.across
-        along, across = coefficients[::-1] if is_along_axle else coefficients
-        half = 2 / (friction.largest or 1.0)        # each link has half of the load
-        return _Wheel(indices[joint.child], around, indices[joint.child + ACROSS],
-                      _vector(turn @ axle), _vector(np.where(is_axle, 0.0, along * half)),
-                      _vector(np.where(is_axle, across * half, 0.0)),
-                      None if is_along_axle else _vector(turn @ direction))
+        around, across = coefficients[::-1] if is_along_axle else coefficients
+        half = 2 / (friction.largest or 1.0)        # each of two links has half of the load
+        return _Wheel(indices[joint.child], _vector(turn @ axle),
+                      None if is_along_axle else _vector(turn @ direction), {
+                          index: _vector(np.where(is_axle, across * half, 0.0)
+                                         if name.endswith(ACROSS) else
+                                         np.where(is_axle, 0.0, around * half))
+                          for name, index in treads.items()})
 
     def reset(self) -> None:
         """Begin a new period: to be called when everything was moved to its start."""
@@ -89,8 +89,8 @@ class Directions:
     def _set(self, wheel: _Wheel) -> None:
         # without numpy, which takes ten times as long for so little
         body_id, client = self._body.body_id, self._client
-        turned = pybullet.getLinkState(body_id, wheel.around, computeForwardKinematics=1,
-                                       **client)[1]
+        turned = pybullet.getLinkState(body_id, next(iter(wheel.scales)),
+                                       computeForwardKinematics=1, **client)[1]
         x, y = _along_floor(turned, wheel.axle)
         # the limits of both of PyBullet's directions add up
         factor = (math.hypot(x, y) or 1.0) / (abs(x) + abs(y) or 1.0)
@@ -100,8 +100,7 @@ class Directions:
             speed = pybullet.getJointState(body_id, wheel.link, **client)[1]
             factor *= (_MEAN_COSINE if abs(speed) > _FAST_RAD_S
                        else math.hypot(*_along_floor(turned, wheel.turning)))
-        for link, scales in ((wheel.around, wheel.around_scales),
-                             (wheel.across, wheel.across_scales)):
+        for link, scales in wheel.scales.items():
             pybullet.changeDynamics(
                 body_id, link, anisotropicFriction=[scale * factor for scale in scales], **client)
 

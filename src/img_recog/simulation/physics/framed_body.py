@@ -11,7 +11,7 @@ from img_recog.model import CONTINUOUS, AttachedFrame, Limits, Model
 from img_recog.rotations import Quaternion, Transform
 from img_recog.simulation.physics.body import Body, FrameState, Motion, Vector, motion_of_frame
 from img_recog.simulation.physics.client import link_indices
-from img_recog.simulation.physics.tires import ACROSS, TREADS, owner
+from img_recog.simulation.physics.tires import owner, wheel_of
 
 
 class FramedBody(Body):
@@ -90,9 +90,9 @@ class FramedBody(Body):
 
         link: one with a contact sensor.
         """
-        return {self._link_indices[part]: owner(name)
-                for name in self._surfaces.get(link, ())
-                for part in (name, name + TREADS, name + ACROSS) if part in self._link_indices}
+        names = self._surfaces.get(link, ())
+        return {index: owner(part) for part, index in self._link_indices.items()
+                if wheel_of(part) in names}
 
     def stop_wheels(self) -> None:
         """Let the motors of the wheels hold them, if there are any."""

@@ -41,7 +41,7 @@ def apply(body: FramedBody) -> None:
     given = {link.name: link.surface for link in body.model.links}
     never_move = links_of_base(body.body_id, body.physics_client_id) if body.fixed else ()
     for name, link in link_indices(body.body_id, body.physics_client_id).items():
-        wheel = name.partition(tires.TREADS)[0]
+        wheel = tires.wheel_of(name)
         friction = Friction(0.0) if body.slides else given.get(wheel, Friction())
         pybullet.changeDynamics(
             body.body_id, link, lateralFriction=friction.largest,

@@ -8,7 +8,7 @@ from img_recog.model import ALL_BITS, Model
 from img_recog.simulation.physics.body import Body
 from img_recog.simulation.physics.client import link_indices, links_of_base
 from img_recog.simulation.physics.framed_body import FramedBody
-from img_recog.simulation.physics.tires import TREADS
+from img_recog.simulation.physics.tires import wheel_of
 
 # Two links collide in PyBullet if a group of one is in the mask of the other. A link without a
 # bitmask collides with all groups but those that its kind leaves out, and so does a ray, which is
@@ -99,11 +99,11 @@ class Meeting:
         is_floor = body.is_plane or body.is_terrain
         # all solids of a link have one mask in PyBullet
         bitmasks = {link.name: link.solids[0].bitmask for link in body.model.links if link.solids}
+        wheels = {wheel_of(name) for name in indices if name != wheel_of(name)}
         for name, index in indices.items():
-            wheel = name.partition(TREADS)[0]
+            wheel = wheel_of(name)
             if wheel in bitmasks:
-                kind = (_TREADS if name != wheel else
-                        _WHEEL if name + TREADS in indices else _MOVING)
+                kind = _TREADS if name != wheel else _WHEEL if wheel in wheels else _MOVING
                 if index in static:
                     kind = _FLOOR if is_floor else _STATIC
                 masks = _groups_and_mask(bitmasks[wheel], kind)
@@ -125,7 +125,7 @@ def _solid_links(body: FramedBody) -> Iterator[Tuple[int, str, str]]:
     spaces = {link.name: link.space for link in body.model.links}
     solid = {link.name for link in body.model.links if link.solids}
     for name, index in indices.items():
-        wheel = name.partition(TREADS)[0]
+        wheel = wheel_of(name)
         if wheel in solid:
             yield index, owners[wheel], spaces[owners[wheel]]
 

@@ -12,7 +12,7 @@ from img_recog import rotations
 from img_recog.rotations import Quaternion
 from img_recog.simulation.physics.body import Vector
 from img_recog.simulation.physics.client import body_ids, link_indices
-from img_recog.simulation.physics.tires import TREADS
+from img_recog.simulation.physics.tires import TREAD
 
 _BOX, _CYLINDER, _SPHERE, _PLANE = (pybullet.GEOM_BOX, pybullet.GEOM_CYLINDER,
                                     pybullet.GEOM_SPHERE, pybullet.GEOM_PLANE)
@@ -103,7 +103,7 @@ def _shapes(bodies: Sequence[int], client: int) -> List[_Shape]:
     return [_Shape((body, link), kind, size, position, orientation)
             for body in bodies
             # those of a second link of a wheel are where those of the first one are
-            for name, link in link_indices(body, client).items() if TREADS not in name
+            for name, link in link_indices(body, client).items() if TREAD not in name
             for _, _, kind, size, _, position, orientation in pybullet.getCollisionShapeData(
                 body, link, physicsClientId=client)]
 

@@ -27,7 +27,7 @@ from img_recog.simulation.physics import mesh_cache
 from img_recog.simulation.physics.body import Vector
 from img_recog.simulation.physics.client import link_indices, links_of_base
 from img_recog.simulation.physics.framed_body import FramedBody
-from img_recog.simulation.physics.tires import ACROSS, TREADS
+from img_recog.simulation.physics.tires import ACROSS, TREAD, wheel_of
 
 # of a contact: so much damping that nothing vibrates, and what fell is out of the floor in 0.3 s
 _STIFFNESS_N_M, _DAMPING_N_S_M = 3e5, 1e5
@@ -42,7 +42,7 @@ _BOUNCING = 3e7, 1e7
 _LITTLE = 0.5
 _BOUNCES_FROM_M_S = 0.01
 _BULLETS_DAMPING = 0.1      # of what has none of its own, such as a floor
-_LOW_M = 0.01
+_LOW_M, _RESTS_M = 0.01, 0.003
 
 
 class Spring(NamedTuple):
@@ -149,16 +149,16 @@ def _as_moved(contact: Contact, mass: float, count: int, physics_client_id: int)
 def _contacts(body: FramedBody) -> Dict[int, Contact]:
     """Return the contacts of the links that have solids, by PyBullet's indices."""
     contacts = {link.name: link.solids[0].contact for link in body.model.links if link.solids}
-    return {index: contacts[name.partition(TREADS)[0]]
+    return {index: contacts[wheel_of(name)]
             for name, index in link_indices(body.body_id, body.physics_client_id).items()
-            if name.partition(TREADS)[0] in contacts}
+            if wheel_of(name) in contacts}
 
 
 def _shared(body: FramedBody) -> Set[int]:
     """Return the links with treads in places where others have theirs, too."""
     indices = link_indices(body.body_id, body.physics_client_id)
     return {indices[name] for across in indices if across.endswith(ACROSS)
-            for name in (across, across[:-len(ACROSS)] + TREADS)}
+            for name in (across, across[:-len(ACROSS)])}
 
 
 def _points(body: FramedBody) -> List[Tuple[int, int]]:
@@ -182,9 +182,10 @@ def _stands_on_wheels(body: FramedBody) -> bool:
     frames = {name: body.pose()[:2] if link == -1 else pybullet.getLinkState(
         body.body_id, link, computeForwardKinematics=1, **client)[4:6]
         for name, link in link_indices(body.body_id, body.physics_client_id).items()}
-    lows = [(_lowest(solid, *frames[link.name]), link.name + TREADS in frames)
+    wheels = {wheel_of(name) for name in frames if TREAD in name}
+    lows = [(_lowest(solid, *frames[link.name]), link.name in wheels)
             for link in body.model.links for solid in link.solids]
-    low = [is_wheel for height, is_wheel in lows if height < min(lows)[0] + _LOW_M]
+    low = [is_wheel for height, is_wheel in lows if height < min(lows)[0] + _RESTS_M]
     return any(low) and low.count(False) <= 1
 
 

@@ -1,13 +1,14 @@
 """Treads: the edges with which a wheel touches the floor.
 
 A cylinder on a plane touches it with both edges in Gazebo. PyBullet finds one of them in a step,
-whichever is lower by a hair. So a wheel gets a second link with a narrow tread at each edge. The
-treads touch only floors and other things that never move, see meeting.py. Everything else touches
+whichever is lower by a hair. So a wheel gets a link with a narrow tread at each edge. The treads
+touch only floors and other things that never move, see meeting.py. Everything else touches
 the whole cylinder. A wheel that is a mesh becomes a cylinder: the convex hull of PyBullet has
 corners, and is 1 mm larger. ODE pushes a wheel out of the floor from a depth of <min_depth> on, so
 the rest of its robot is lower by that depth.
 """
 import dataclasses
+import itertools
 from typing import Collection, Iterator, List
 
 import numpy as np
@@ -17,8 +18,8 @@ from img_recog.model import (ALL_BITS, CONTINUOUS, CYLINDER, FIXED, PART, REVOLU
 from img_recog.rotations import IDENTITY, Transform
 from img_recog.simulation.physics.wheels import mesh_outline, pose_in_root
 
-TREADS = '::treads'     # in the names of the links with the treads of a wheel
-ACROSS = TREADS + '_across'     # the second one, if there is a direction of friction
+TREAD = '::tread_'      # in the name of a link with a tread, between the wheel's name and a number
+ACROSS = '_across'      # at the end of the second one, if there is a direction of friction
 _TREAD_M = 0.002
 # In ODE, joints give way a little under the load, and wheels stand on their outer edges. A hair is
 # enough for that: an axle that leans in the file, such as one that is turned by 1.57, stays so.
@@ -45,10 +46,12 @@ def added(model: Model, driven: Collection[str] = ()) -> Model:
                 wheel = wheel._replace(solids=tuple(_round(solid, axis) for solid in wheel.solids))
                 links[joint.child] = wheel
             pose = pose_in_root(joint, model)
-            treads = tuple(tread for solid in wheel.solids for tread in _treads(solid, axis, pose))
-            for kind in (TREADS, ACROSS)[:len(treads) and 1 + bool(wheel.surface.direction)]:
-                name = joint.child + kind
-                links[name] = Link(name, solids=treads, space=wheel.space)
+            treads = [tread for solid in wheel.solids for tread in _treads(solid, axis, pose)]
+            for (number, tread), end in itertools.product(
+                    enumerate(treads), ('', ACROSS) if wheel.surface.direction else ('',)):
+                # a link each: PyBullet computes the contacts of one link in any order
+                name = '{}{}{}{}'.format(joint.child, TREAD, number, end)
+                links[name] = Link(name, solids=(tread,), space=wheel.space)
                 joints.append(Joint(name, FIXED, joint.child, name))
     return dataclasses.replace(model, links=tuple(links.values()), joints=tuple(joints))
 
@@ -62,7 +65,12 @@ def _lower_than(wheel: Link, joint: Joint) -> Joint:
 
 def owner(link: str) -> str:
     """Return the name of the link of the file to which the solids of a link in PyBullet belong."""
-    return link.partition(TREADS)[0].partition(PART)[0]
+    return wheel_of(link).partition(PART)[0]
+
+
+def wheel_of(link: str) -> str:
+    """Return the name of the wheel of a link with a tread, otherwise the name of the link."""
+    return link.partition(TREAD)[0]
 
 
 def _is_round(solid: Solid, axis: np.ndarray) -> bool:

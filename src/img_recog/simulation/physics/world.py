@@ -216,12 +216,12 @@ class World:
 
     def step(self, count: int = 1) -> None:
         """Advance the physics by a number of steps."""
-        if self._is_at_start:
-            self._is_at_start = False
-            self._meeting.forget_contacts()
         if self._pairs_revision != self.revision:
             self._pairs_revision = self.revision
             self._pairs.refresh()
+        if self._is_at_start:
+            self._is_at_start = False
+            self._meeting.forget_contacts()
         # local names: this is the innermost loop
         step, physics_client_id = pybullet.stepSimulation, self.physics_client_id
         acting = [forces.apply for forces in self._forces.values()]
