@@ -4,7 +4,7 @@ from typing import Dict, Iterator, Sequence, Set, Tuple
 
 import pybullet
 
-from img_recog.model import ALL_BITS, Model
+from img_recog.model import ALL_BITS, BOX, PLANE, Link, Model
 from img_recog.simulation.physics.body import Body
 from img_recog.simulation.physics.client import link_indices, links_of_base
 from img_recog.simulation.physics.framed_body import FramedBody
@@ -15,10 +15,10 @@ from img_recog.simulation.physics.tires import wheel_of
 # in the group of what moves. The bits of a file's bitmask are shifted beyond these groups.
 _MOVING, _STATIC, _FLOOR, _WHEEL, _TREADS, _SHIFT = 1, 2, 4, 8, 16, 8
 
-_COLLIDES = {_MOVING: ~_TREADS, _STATIC: ~(_STATIC | _FLOOR),
-             _FLOOR: ~(_STATIC | _FLOOR | _WHEEL), _WHEEL: ~(_FLOOR | _TREADS),
-             _TREADS: _STATIC | _FLOOR}
+_COLLIDES = {_MOVING: ~_TREADS, _STATIC: ~(_STATIC | _FLOOR | _TREADS),
+             _FLOOR: ~(_STATIC | _FLOOR | _WHEEL), _WHEEL: ~(_FLOOR | _TREADS), _TREADS: _FLOOR}
 
+_MIN_FLOOR_M = 1.0
 _Pair = Tuple[int, int, int, int]        # two bodies, and a link of each
 
 
@@ -96,7 +96,7 @@ class Meeting:
         """
         indices = link_indices(body.body_id, body.physics_client_id)
         static = links_of_base(body.body_id, body.physics_client_id) if body.fixed else ()
-        is_floor = body.is_plane or body.is_terrain
+        floors = {link.name for link in body.model.links if _is_floor(link)}
         # all solids of a link have one mask in PyBullet
         bitmasks = {link.name: link.solids[0].bitmask for link in body.model.links if link.solids}
         wheels = {wheel_of(name) for name in indices if name != wheel_of(name)}
@@ -105,7 +105,7 @@ class Meeting:
             if wheel in bitmasks:
                 kind = _TREADS if name != wheel else _WHEEL if wheel in wheels else _MOVING
                 if index in static:
-                    kind = _FLOOR if is_floor else _STATIC
+                    kind = _FLOOR if body.is_terrain or name in floors else _STATIC
                 masks = _groups_and_mask(bitmasks[wheel], kind)
                 self._masks[body.body_id, index] = masks
                 pybullet.setCollisionFilterGroupMask(body.body_id, index, *masks, **self._client)
@@ -117,6 +117,12 @@ class Meeting:
                 _solid_links(one), _solid_links(other)):
             if owner == owner2 or space == space2 or frozenset((owner, owner2)) in joined:
                 self.part(one, index, other, index2)
+
+
+def _is_floor(link: Link) -> bool:
+    """Return whether robots can drive on all solids of a link that never moves."""
+    return all(solid.shape.kind == PLANE or solid.shape.kind == BOX
+               and min(solid.shape.size[:2]) >= _MIN_FLOOR_M for solid in link.solids)
 
 
 def _solid_links(body: FramedBody) -> Iterator[Tuple[int, str, str]]:

@@ -94,8 +94,9 @@ def _springs(body: FramedBody) -> Dict[int, Spring]:
     found: Dict[int, Spring] = {}
     if body.joints:
         limit = mass * _JOINTED_N_M
-        found = (_of_robot(body, mass, contacts) if _stands_on_wheels(body) else
-                 {link: Spring(limit, mass * _JOINTED_N_S_M) for link in body.links})
+        found = {link: Spring(limit, mass * _JOINTED_N_S_M) for link in body.links}
+        if _stands_on_wheels(body):
+            found.update(_of_robot(body, mass, contacts))
     points = _points(body) if any(contact != Contact() for contact in contacts.values()) else []
     count, shared = sum(in_ode for in_ode, _ in points), _shared(body)
     for link, contact in contacts.items():
@@ -116,8 +117,10 @@ def _of_robot(body: FramedBody, mass: float, contacts: Mapping[int, Contact]) ->
     step_s = pybullet.getPhysicsEngineParameters(
         physicsClientId=body.physics_client_id)['fixedTimeStep']
     found, shared = {}, _shared(body)
-    for link in body.links:
-        contact = contacts.get(link, Contact())
+    names = link_indices(body.body_id, body.physics_client_id)
+    wheels = {names[wheel_of(name)] for name in names if TREAD in name}
+    for link in contacts.keys() - wheels:
+        contact = contacts[link]
         stiffness = contact.stiffness
         if link in shared:
             stiffness = min(stiffness / 2, _SHARED_N_M * mass)
