@@ -4,8 +4,8 @@ A contact of ODE pushes a body out of another one within one step. So a wheel le
 some micrometers, falls back onto it, and touches it in every second to fifth step only. Friction
 stops its edge in these steps, and between them it slips freely: a robot on many wheels turns as if
 friction were viscous. PyBullet does the same if contacts act only where bodies touch, without slop.
-So the wheels of a robot have the contacts of ODE, with half of the push: with all of it, what
-falls onto its wheels would come back.
+So the wheels of a robot with more than two have the contacts of ODE, with half of the push: with
+all of it, what falls onto its wheels would come back.
 
 All other contacts are springs, with a stiffness for the mass of the body. What a file has of <kp>,
 <kd> and <max_vel> counts where it is softer.
@@ -67,7 +67,7 @@ def set_up(physics_client_id: int, step_s: float) -> None:
     """Set how contacts are solved in a client without bodies."""
     total = step_s * _STIFFNESS_N_M + _DAMPING_N_S_M
     pybullet.setPhysicsEngineParameter(
-        enableConeFriction=0, contactSlop=0, globalCFM=1 / total, contactERP=step_s * _STIFFNESS_N_M / total,
+        enableConeFriction=0, globalCFM=1 / total, contactERP=step_s * _STIFFNESS_N_M / total,
         restitutionVelocityThreshold=_BOUNCES_FROM_M_S, physicsClientId=physics_client_id)
 
 
@@ -96,6 +96,9 @@ def _springs(body: FramedBody) -> Dict[int, Spring]:
         limit = mass * _JOINTED_N_M
         found = {link: Spring(limit, mass * _JOINTED_N_S_M) for link in body.links}
         if _stands_on_wheels(body):
+            # for the whole client: wheels would never leave the floor with PyBullet's slop
+            pybullet.setPhysicsEngineParameter(contactSlop=0,
+                                               physicsClientId=body.physics_client_id)
             found.update(_of_robot(body, mass, contacts))
     points = _points(body) if any(contact != Contact() for contact in contacts.values()) else []
     count, shared = sum(in_ode for in_ode, _ in points), _shared(body)
@@ -176,7 +179,8 @@ def _points(body: FramedBody) -> List[Tuple[int, int]]:
 
 
 def _stands_on_wheels(body: FramedBody) -> bool:
-    """Return whether a body stands on treads, and at most on one other solid, where it was loaded.
+    """Return whether a body stands on more than two wheels with treads, and at most on one other
+    solid, where it was loaded.
 
     ODE's joints give way, so that wheels share the load with several casters. Those here do not,
     so such a body keeps contacts that give way.
@@ -189,7 +193,7 @@ def _stands_on_wheels(body: FramedBody) -> bool:
     lows = [(_lowest(solid, *frames[link.name]), link.name in wheels)
             for link in body.model.links for solid in link.solids]
     low = [is_wheel for height, is_wheel in lows if height < min(lows)[0] + _RESTS_M]
-    return any(low) and low.count(False) <= 1
+    return low.count(True) > 2 and low.count(False) <= 1
 
 
 def _lowest(solid: Solid, position: Vector, orientation: Quaternion) -> float:

@@ -1,31 +1,34 @@
 """Treads: the edges with which a wheel touches the floor.
 
-A cylinder on a plane touches it with both edges in Gazebo. PyBullet finds one of them in a step,
-whichever is lower by a hair. So a wheel gets a link with a narrow tread at each edge. The treads
-touch only floors and other things that never move, see meeting.py. Everything else touches
-the whole cylinder. A wheel that is a mesh becomes a cylinder: the convex hull of PyBullet has
-corners, and is 1 mm larger. ODE pushes a wheel out of the floor from a depth of <min_depth> on, so
-the rest of its robot is lower by that depth.
+A cylinder on a plane touches it with both edges in Gazebo, or with the lower one where its axle
+leans. PyBullet finds one or the other in a step, whichever is lower by a hair. So a wheel gets a
+link with a narrow tread at each edge that touches. The treads touch only floors, see meeting.py,
+and everything else touches the whole cylinder. A wheel that is a mesh becomes a cylinder: the
+convex hull of PyBullet has corners, and is 1 mm larger. ODE pushes a wheel out of the floor from a
+depth of <min_depth> on, so the rest of its robot is lower by that depth.
 """
 import dataclasses
 import itertools
+import math
 from typing import Collection, Iterator, List
 
 import numpy as np
 
-from img_recog.model import (ALL_BITS, CONTINUOUS, CYLINDER, FIXED, PART, REVOLUTE, SPHERE, Joint,
-                             Link, Model, Shape, Solid)
+from img_recog.model import (ALL_BITS, CONTINUOUS, CYLINDER, FIXED, MESH, PART, REVOLUTE, SPHERE,
+                             Joint, Link, Model, Shape, Solid)
 from img_recog.rotations import IDENTITY, Transform
 from img_recog.simulation.physics.wheels import mesh_outline, pose_in_root
 
 TREAD = '::tread_'      # in the name of a link with a tread, between the wheel's name and a number
 ACROSS = '_across'      # at the end of the second one, if there is a direction of friction
 _TREAD_M = 0.002
+_MIN_LEAN = 1e-4        # rad, of an axle: from there on, only the lower edge of two wheels touches
 # In ODE, joints give way a little under the load, and wheels stand on their outer edges. A hair is
-# enough for that: an axle that leans in the file, such as one that is turned by 1.57, stays so.
+# enough for that.
 _HIGHER_M = 2e-6        # height of the inner edge above the floor
 _PARALLEL = 0.99
-_MAX_SLACK_M = 0.005    # highest <min_depth> that counts
+# highest <min_depth> that counts, and the depth to which a wheel sinks without it
+_MAX_SLACK_M, _GIVES_WAY_M = 0.005, 0.0005
 
 
 def added(model: Model, driven: Collection[str] = ()) -> Model:
@@ -36,6 +39,8 @@ def added(model: Model, driven: Collection[str] = ()) -> Model:
     """
     links = {link.name: link for link in model.links}
     joints: List[Joint] = []
+    # the joints of more wheels give way so much in ODE that an axle that leans is like others
+    lean = _MIN_LEAN if _count_wheels(model) <= 2 else math.inf
     for joint in model.joints:
         joints.append(joint)
         if joint.kind in (CONTINUOUS, REVOLUTE):
@@ -46,7 +51,7 @@ def added(model: Model, driven: Collection[str] = ()) -> Model:
                 wheel = wheel._replace(solids=tuple(_round(solid, axis) for solid in wheel.solids))
                 links[joint.child] = wheel
             pose = pose_in_root(joint, model)
-            treads = [tread for solid in wheel.solids for tread in _treads(solid, axis, pose)]
+            treads = [tread for solid in wheel.solids for tread in _treads(solid, joint, pose, lean)]
             for (number, tread), end in itertools.product(
                     enumerate(treads), ('', ACROSS) if wheel.surface.direction else ('',)):
                 # a link each: PyBullet computes the contacts of one link in any order
@@ -56,11 +61,18 @@ def added(model: Model, driven: Collection[str] = ()) -> Model:
     return dataclasses.replace(model, links=tuple(links.values()), joints=tuple(joints))
 
 
+def _count_wheels(model: Model) -> int:
+    solids = {link.name: link.solids for link in model.links}
+    return sum(joint.kind in (CONTINUOUS, REVOLUTE) and any(
+        solid.shape.kind in (CYLINDER, MESH) for solid in solids[joint.child])
+        for joint in model.joints)
+
+
 def _lower_than(wheel: Link, joint: Joint) -> Joint:
     """Return the joint of a wheel with its parent lower by the <min_depth> of the wheel."""
-    height_m = min(wheel.solids[0].contact.slack, _MAX_SLACK_M)
+    height_m = min(wheel.solids[0].contact.slack, _MAX_SLACK_M) - _GIVES_WAY_M
     return joint._replace(pose=joint.pose._replace(
-        translation=joint.pose.translation + (0.0, 0.0, height_m)))
+        translation=joint.pose.translation + (0.0, 0.0, max(height_m, 0.0))))
 
 
 def owner(link: str) -> str:
@@ -95,19 +107,26 @@ def _along(axis: np.ndarray) -> np.ndarray:
     return np.column_stack((np.cross(across, axis), across, axis))
 
 
-def _treads(solid: Solid, axis: np.ndarray, pose: Transform) -> Iterator[Solid]:
-    """Yield both treads of a cylinder along an axis (3,).
+def _treads(solid: Solid, joint: Joint, pose: Transform, lean: float) -> Iterator[Solid]:
+    """Yield the treads of a cylinder along the axis of its joint: both, or the lower one.
 
     A cylinder with a bitmask has none: the bits that keep a wheel and a floor apart are taken.
+
+    Args:
+        pose: Pose of the wheel in the root link.
+        lean: Angle of the axle in rad from which on only the lower edge touches.
     """
-    if (solid.shape.kind == CYLINDER and solid.shape.size[1] > _TREAD_M
-            and _is_round(solid, axis) and solid.bitmask == ALL_BITS):
-        radius, length = solid.shape.size
-        edges = [solid.pose @ IDENTITY._replace(
-            translation=np.array((0.0, 0.0, end * (length - _TREAD_M) / 2))) for end in (1, -1)]
-        along = pose.rotation @ axis
-        away = [abs(float(along @ (pose @ edge).translation)) for edge in edges]
-        for edge, distance in zip(edges, away):
-            is_outer = distance > max(away) - _TREAD_M
-            yield solid._replace(shape=solid.shape._replace(size=(
-                radius if is_outer else radius - _HIGHER_M, _TREAD_M)), pose=edge)
+    axis = np.asarray(joint.axis)
+    if (solid.shape.kind != CYLINDER or solid.shape.size[1] <= _TREAD_M
+            or not _is_round(solid, axis) or solid.bitmask != ALL_BITS):
+        return
+    radius, length = solid.shape.size
+    rise = (joint.pose.rotation @ solid.pose.rotation[:, 2])[2]
+    edges = [solid.pose @ IDENTITY._replace(
+        translation=np.array((0.0, 0.0, end * (length - _TREAD_M) / 2)))
+        for end in (1, -1) if end * rise < lean]
+    away = [abs(float((pose.rotation @ axis) @ (pose @ edge).translation)) for edge in edges]
+    for edge, distance in zip(edges, away):
+        is_outer = distance > max(away) - _TREAD_M
+        yield solid._replace(shape=solid.shape._replace(size=(
+            radius if is_outer else radius - _HIGHER_M, _TREAD_M)), pose=edge)

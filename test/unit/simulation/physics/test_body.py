@@ -63,8 +63,9 @@ def test_frames_are_in_their_places_if_the_mass_of_the_root_is_not_in_its_origin
 
 
 def test_links_and_joints(robot):
-    assert list(robot.links) == [-1, 0, 1, 2] and robot.fixed is False
-    assert robot.joints == {'wheel_left_joint': 0, 'wheel_right_joint': 1}
+    # wheels, each with a tread at its lower edge, and a caster
+    assert list(robot.links) == [-1, 0, 1, 2, 3, 4] and robot.fixed is False
+    assert robot.joints == {'wheel_left_joint': 0, 'wheel_right_joint': 2}
     assert robot.name == 'turtlebot3_burger'
 
 

@@ -66,5 +66,7 @@ FRICTIONS = {
     'base': (1.0, 0.0),
     'wheel_left_link': (0.1, 0.0),
     'wheel_right_link': (0.1, 0.0),
+    'wheel_left_link::tread_0': (0.1, 0.0),
+    'wheel_right_link::tread_0': (0.1, 0.0),
     'caster_back_link': (0.1, 0.0),
 }

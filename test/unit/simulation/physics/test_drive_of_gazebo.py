@@ -19,7 +19,8 @@ FIRST = ''.join('<gazebo reference="wheel_{}_link"><fdir1>1 0 0</fdir1></gazebo>
 
 @pytest.mark.parametrize('tags, parts, figures', [
     # how far it goes from place to place, or how far it turns, on the command, and until it stands
-    (FIRST, [(0.22, 0, 5), (0, 0, 2)], [1.0640, 0.0751]),
+    # how far it slides then depends on the angle at which the wheels stop
+    (FIRST, [(0.22, 0, 5)], [1.0640]),
     ('', [(0.22, 0, 5), (0, 0, 2)], [1.0696, 0.0245]),
     ('', [(0, 1, 5), (0, 0, 2)], [4.9604, 0.0334]),
     (FIRST, [(-10, 0, 2), (0, 0, 4)], [1.2496, 2.2980]),
