@@ -31,22 +31,46 @@ def added(urdf, joints=JOINTS):
 
 
 def cylinders(urdf, joints=JOINTS, name='left_wheel'):
-    """Return radius and length of the cylinders of a wheel that has its tyres."""
+    """Return radius and length of the cylinders of a wheel."""
     return [solid.shape.size for solid in part(added(urdf, joints).links, name).solids
             if solid.shape.kind == CYLINDER]
 
 
 def treads(urdf, name):
+    """Return the treads of a wheel, each a solid of a link of its own."""
+    return [solid for link in added(urdf).links for solid in link.solids
+            if link.name.startswith(name + tires.TREAD)]
+
+
+def places(urdf, name):
     """Return where the treads of a wheel are along its axle, and check that they are narrow."""
-    found = part(added(urdf).links, name).solids[1:]
-    assert all(solid.shape.size == (0.1, 0.002) for solid in found)
+    found = treads(urdf, name)
+    assert [solid.shape.size for solid in found] == [
+        pytest.approx((0.1, 0.002), abs=1e-5)] * len(found)
     return [round(float(solid.pose.translation[2]), 6) for solid in found]
 
 
-@pytest.mark.parametrize('radius, inner', [(0.1, 0.0799), (0.05, 0.0299), (0.03, 0.015)])
-def test_a_wheel_has_narrow_treads_and_the_rest_is_above_the_floor(radius, inner):
-    found = cylinders(robot(shape=ROUND.format(radius, 0.04)))
-    assert found == [pytest.approx((inner, 0.04)), (radius, 0.002), (radius, 0.002)]
+def test_a_wheel_stays_whole_and_has_narrow_treads_of_which_the_outer_one_is_lower():
+    urdf = robot(shape=ROUND.format(0.1, 0.04))
+    assert cylinders(urdf) == [(0.1, 0.04)]
+    # z of the wheels points to the left, where both are
+    assert [solid.shape.size for solid in treads(urdf, 'left_wheel')] == [
+        (0.1, 0.002), (pytest.approx(0.1 - 2e-6), 0.002)]
+
+
+def test_a_wheel_with_a_direction_of_friction_has_each_tread_twice():
+    urdf = robot().replace('</robot>', '<gazebo reference="left_wheel"><fdir1>1 0 0</fdir1>'
+                           '</gazebo></robot>')
+    names = [link.name for link in added(urdf).links if tires.TREAD in link.name]
+    assert names == ['left_wheel::tread_0', 'left_wheel::tread_0_across', 'left_wheel::tread_1',
+                     'left_wheel::tread_1_across', 'right_wheel::tread_0', 'right_wheel::tread_1']
+
+
+def test_treads_of_more_than_two_wheels_are_at_both_edges_however_they_lean():
+    urdf = robot(1.57, 1.57).replace('</robot>', ''.join(
+        WHEEL.format(name, INERTIAL, '', ROUND.format(0.1, 0.04), 1.57, '0 0 1')
+        for name in ('third', 'fourth')) + '</robot>')
+    assert len(treads(urdf, 'third_wheel')) == len(treads(urdf, 'left_wheel')) == 2
 
 
 # the axles of the burger, by 1.57, and by the same angle to the other side
@@ -61,7 +85,7 @@ LEAN, OTHER = 1.57, 1.5716
     (-OTHER, 0.018, [0.008])])
 def test_a_wheel_touches_the_floor_with_both_edges_or_with_the_lower_one(roll, length, ends):
     urdf = robot(roll, roll, ROUND.format(0.1, length))
-    assert [treads(urdf, name + '_wheel') for name in JOINTS] == [ends] * 2
+    assert [places(urdf, name + '_wheel') for name in JOINTS] == [ends] * 2
 
 
 @pytest.mark.parametrize('changes', [
@@ -87,10 +111,10 @@ def test_a_mesh_becomes_a_cylinder_about_the_axle(axis, rpy, tmp_path):
                                                               *rpy)
     urdf = robot(shape='<mesh filename="{}"/>'.format(path), origin=origin,
                  axis='{} {} {}'.format(*axis))
-    assert cylinders(urdf)[:2] == [pytest.approx((0.0599, 0.05)), (0.08, 0.002)]
+    assert cylinders(urdf) == [pytest.approx((0.08, 0.05))]
     wheel = part(added(urdf).links, 'left_wheel')
     assert wheel.solids[0].pose.translation == pytest.approx([0.03 * each for each in axis])
-    for solid in wheel.solids:
+    for solid in (*wheel.solids, *treads(urdf, 'left_wheel')):
         assert solid.pose.rotation[:, 2] == pytest.approx(axis)
 
 
