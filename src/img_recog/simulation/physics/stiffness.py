@@ -3,12 +3,12 @@
 A contact of ODE pushes a body out of another one within one step. So a wheel leaves the floor by
 some micrometers, falls back onto it, and touches it in every second to fifth step only. Friction
 stops its edge in these steps, and between them it slips freely: a robot on many wheels turns as if
-friction were viscous. PyBullet does the same if contacts act only where bodies touch, without slop.
-So the wheels of a robot with more than two have the contacts of ODE, with half of the push: with
-all of it, what falls onto its wheels would come back.
+friction were viscous. PyBullet does the same if contacts act only where bodies touch, and without
+its slop. So a robot on more than two wheels has the contacts of ODE, with half of their push: with
+all of it, a robot that falls onto its wheels would bounce.
 
-All other contacts are springs, with a stiffness for the mass of the body. What a file has of <kp>,
-<kd> and <max_vel> counts where it is softer.
+All other contacts are springs, with a stiffness for the mass of the body. The <kp>, <kd> and
+<max_vel> of a file are used if they are softer.
 
 ODE lets a body out of another one by <max_vel>, of which its velocity is told, and besides by all
 of the spring, of which it is not told. With the default of 1 cm/s, contacts are dampers in which

@@ -51,7 +51,8 @@ def added(model: Model, driven: Collection[str] = ()) -> Model:
                 wheel = wheel._replace(solids=tuple(_round(solid, axis) for solid in wheel.solids))
                 links[joint.child] = wheel
             pose = pose_in_root(joint, model)
-            treads = [tread for solid in wheel.solids for tread in _treads(solid, joint, pose, lean)]
+            treads = [tread for solid in wheel.solids
+                      for tread in _treads(solid, joint, pose, lean)]
             for (number, tread), end in itertools.product(
                     enumerate(treads), ('', ACROSS) if wheel.surface.direction else ('',)):
                 # a link each: PyBullet computes the contacts of one link in any order

@@ -132,8 +132,13 @@ def _measured(shapes: Sequence[Union[Solid, Look]],
 
 
 class Outline(NamedTuple):
-    """Of a mesh about an axis, in m: the middle of its tread (3,), a point of the axis, the width of its tread, and
-    its diameter, None if it is not round."""
+    """The tread of a mesh about an axis, in m.
+
+    Attributes:
+        middle: Point of the axis (3,) in the middle of the tread.
+        width: Width of the tread along the axis.
+        diameter: None if the mesh is not round.
+    """
 
     middle: np.ndarray
     width: float
