@@ -21,11 +21,11 @@ from typing import Dict, List, Mapping, NamedTuple, Set, Tuple
 import numpy as np
 import pybullet
 
+from img_recog.errors import SimulationError
 from img_recog.model import BOX, CAPSULE, CYLINDER, MESH, SPHERE, Contact, Solid
-from img_recog.rotations import Quaternion, matrix
+from img_recog.rotations import matrix
 from img_recog.simulation.physics import mesh_cache
-from img_recog.simulation.physics.body import Vector
-from img_recog.simulation.physics.client import link_indices, links_of_base
+from img_recog.simulation.physics.client import link_indices
 from img_recog.simulation.physics.framed_body import FramedBody
 from img_recog.simulation.physics.tires import ACROSS, TREAD, wheel_of
 
@@ -100,7 +100,8 @@ def _springs(body: FramedBody) -> Dict[int, Spring]:
             pybullet.setPhysicsEngineParameter(contactSlop=0,
                                                physicsClientId=body.physics_client_id)
             found.update(_of_robot(body, mass, contacts))
-    points = _points(body) if any(contact != Contact() for contact in contacts.values()) else []
+    points = ([low.points() for low in _lows(body, _LOW_M)]
+              if any(contact != Contact() for contact in contacts.values()) else [])
     count, shared = sum(in_ode for in_ode, _ in points), _shared(body)
     for link, contact in contacts.items():
         if contact == Contact():
@@ -121,12 +122,11 @@ def _of_robot(body: FramedBody, mass: float, contacts: Mapping[int, Contact]) ->
         physicsClientId=body.physics_client_id)['fixedTimeStep']
     found, shared = {}, _shared(body)
     names = link_indices(body.body_id, body.physics_client_id)
-    wheels = {names[wheel_of(name)] for name in names if TREAD in name}
-    for link in contacts.keys() - wheels:
+    # a wheel itself meets no floor
+    for link in contacts.keys() - {names[wheel_of(name)] for name in names if TREAD in name}:
         contact = contacts[link]
-        stiffness = contact.stiffness
-        if link in shared:
-            stiffness = min(stiffness / 2, _SHARED_N_M * mass)
+        stiffness = (min(contact.stiffness / 2, _SHARED_N_M * mass) if link in shared
+                     else contact.stiffness)
         damping = max(contact.damping, step_s * stiffness * (1 / _PUSH - 1))
         found[link] = Spring(stiffness, damping, slows=False)
     return found
@@ -167,43 +167,48 @@ def _shared(body: FramedBody) -> Set[int]:
             for name in (across, across[:-len(ACROSS)])}
 
 
-def _points(body: FramedBody) -> List[Tuple[int, int]]:
-    """Return on how many points each solid that a body stands on where it was loaded touches a
-    floor, in ODE and in PyBullet."""
-    client = {'physicsClientId': body.physics_client_id}
-    indices = link_indices(body.body_id, body.physics_client_id)
-    lows = {link.name: pybullet.getAABB(body.body_id, indices[link.name], **client)[0][2]
-            for link in body.model.links if link.solids}
-    return [_of_solid(body, indices[link.name], solid) for link in body.model.links
-            for solid in link.solids if lows[link.name] < min(lows.values()) + _LOW_M]
-
-
-def _stands_on_wheels(body: FramedBody) -> bool:
-    """Return whether a body stands on more than two wheels with treads, and at most on one other
-    solid, where it was loaded.
-
-    ODE's joints give way, so that wheels share the load with several casters. Those here do not,
-    so such a body keeps contacts that give way.
+class _Low(NamedTuple):
+    """A solid that a body stands on, whether it is a wheel, and its rotation (3, 3) in the world.
     """
-    client = {'physicsClientId': body.physics_client_id}
-    frames = {name: body.pose()[:2] if link == -1 else pybullet.getLinkState(
-        body.body_id, link, computeForwardKinematics=1, **client)[4:6]
-        for name, link in link_indices(body.body_id, body.physics_client_id).items()}
-    wheels = {wheel_of(name) for name in frames if TREAD in name}
-    lows = [(_lowest(solid, *frames[link.name]), link.name in wheels)
-            for link in body.model.links for solid in link.solids]
-    low = [is_wheel for height, is_wheel in lows if height < min(lows)[0] + _RESTS_M]
-    return low.count(True) > 2 and low.count(False) <= 1
+
+    solid: Solid
+    is_wheel: bool
+    turned: np.ndarray
+
+    def points(self) -> Tuple[int, int]:
+        """Return on how many points it touches a floor, in ODE and in PyBullet."""
+        if self.solid.shape.kind == CYLINDER:
+            return (4, 2) if abs(self.turned[2, 2]) > 0.5 else (2, 2)
+        return (1, 1) if self.solid.shape.kind == SPHERE else (4, 4)
 
 
-def _lowest(solid: Solid, position: Vector, orientation: Quaternion) -> float:
-    """Return the lowest z of a solid in the world, given the pose of its link."""
-    turned = matrix(orientation)
-    z, up = position[2] + turned[2] @ solid.pose.translation, turned[2] @ solid.pose.rotation
+def _lows(body: FramedBody, within_m: float) -> List[_Low]:
+    """Return the lowest solids of a body where it was loaded, up to a height above the lowest."""
+    indices = link_indices(body.body_id, body.physics_client_id)
+    wheels, found = {wheel_of(name) for name in indices if TREAD in name}, []
+    for link in body.model.links:
+        position, orientation = (
+            body.pose()[:2] if indices[link.name] == -1 else pybullet.getLinkState(
+                body.body_id, indices[link.name], computeForwardKinematics=1,
+                physicsClientId=body.physics_client_id)[4:6])
+        for solid in link.solids:
+            turned = matrix(orientation)
+            found.append((position[2] + _lowest(solid, turned), _Low(
+                solid, link.name in wheels, turned @ solid.pose.rotation)))
+    lowest = min((height for height, _ in found), default=0.0)
+    return [low for height, low in found if height < lowest + within_m]
+
+
+def _lowest(solid: Solid, turned: np.ndarray) -> float:
+    """Return the lowest z of a solid, given the rotation (3, 3) of its link."""
+    z, up = turned[2] @ solid.pose.translation, turned[2] @ solid.pose.rotation
     kind, size = solid.shape.kind, solid.shape.size
     if kind == MESH:
-        bounds = np.multiply(mesh_cache.bounds(
-            mesh_cache.cached(solid.shape.path, solid.shape.submesh)), size)
+        try:
+            path = mesh_cache.cached(solid.shape.path, solid.shape.submesh)
+        except SimulationError:
+            return math.inf     # left out
+        bounds = np.multiply(mesh_cache.bounds(path), size)
         return float(z + up @ bounds.mean(axis=0) - np.abs(up * np.ptp(bounds, axis=0)).sum() / 2)
     if kind == BOX:
         return float(z - np.abs(up * size).sum() / 2)
@@ -212,14 +217,11 @@ def _lowest(solid: Solid, position: Vector, orientation: Quaternion) -> float:
     return float(z - size[0] * round_part - length * abs(up[2]) / 2)
 
 
-def _of_solid(body: FramedBody, link: int, solid: Solid) -> Tuple[int, int]:
-    if solid.shape.kind == SPHERE:
-        return 1, 1
-    if solid.shape.kind == CYLINDER:
-        client = {'physicsClientId': body.physics_client_id}
-        turned = (pybullet.getBasePositionAndOrientation(body.body_id, **client)[1]
-                  if link in links_of_base(body.body_id, body.physics_client_id) else
-                  pybullet.getLinkState(body.body_id, link, **client)[5])
-        stands = abs((matrix(turned) @ solid.pose.rotation)[2, 2]) > 0.5
-        return (4, 2) if stands else (2, 2)
-    return 4, 4
+def _stands_on_wheels(body: FramedBody) -> bool:
+    """Return whether a body stands on more than two wheels, and at most on one other solid.
+
+    ODE's joints give way, so that wheels share the load with several casters. Those here do not,
+    so such a body keeps contacts that give way.
+    """
+    are_wheels = [low.is_wheel for low in _lows(body, _RESTS_M)]
+    return are_wheels.count(True) > 2 and are_wheels.count(False) <= 1
