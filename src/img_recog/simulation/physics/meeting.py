@@ -51,7 +51,8 @@ class Meeting:
             if has_spaces(body.model):
                 self._keep_apart(body, body)
         for one, other in itertools.combinations(bodies, 2):
-            if not (one.fixed and other.fixed):
+            # what hangs on hinges moves even if its base is fixed
+            if any(not body.fixed or body.joints for body in (one, other)):
                 self._keep_apart(one, other)
 
     def part(self, one: Body, link: int, other: Body, other_link: int) -> None:
