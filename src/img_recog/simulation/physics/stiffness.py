@@ -16,7 +16,7 @@ the body goes down until what it is moved in a step is as much: that is a spring
 softer the heavier the body is (`_as_moved`).
 """
 import math
-from typing import Dict, List, Mapping, NamedTuple, Set, Tuple
+from typing import Callable, Dict, List, Mapping, NamedTuple, Set, Tuple
 
 import numpy as np
 import pybullet
@@ -33,6 +33,8 @@ from img_recog.simulation.physics.tires import ACROSS, TREAD, wheel_of
 _STIFFNESS_N_M, _DAMPING_N_S_M = 3e5, 1e5
 # for each kg of a body with joints that does not stand on wheels; no contact of a robot is softer
 _JOINTED_N_M, _JOINTED_N_S_M = 1e4, 2e3
+_FALLS_M_S, _PERIOD_STEPS = 0.1, 10     # from which vertical speed on, and how often it is read
+_ALWAYS_M = 1e18        # threshold of contacts by which all that are computed act
 _PUSH = 0.5         # share of the depth of a wheel that a contact pushes out in a step
 # for each kg of a robot: two links that touch in one place share the load only if both give way
 _SHARED_N_M = 1e6
@@ -71,9 +73,59 @@ def set_up(physics_client_id: int, step_s: float) -> None:
         restitutionVelocityThreshold=_BOUNCES_FROM_M_S, physicsClientId=physics_client_id)
 
 
-def apply(body: FramedBody) -> None:
-    """Give the contacts of a body their stiffness, and let it bounce if its file says so."""
-    for link, spring in _springs(body).items():
+class Landing:
+    """Lets a robot land without bouncing: while it falls, contacts slow it down before it touches.
+
+    It is false for a body whose contacts do that anyway.
+    """
+
+    def __init__(self, body: FramedBody, forget_contacts: Callable[[Tuple[int, int]], None]):
+        """Give the contacts of the body their stiffness.
+
+        Args:
+            forget_contacts: Lets PyBullet make new contacts of a link, by the numbers of its body
+                and of the link.
+        """
+        self._body, self._forget_contacts = body, forget_contacts
+        links = apply(body)
+        self._links = links if body.joints else []
+        self._falls, self._steps = False, 0
+
+    def __bool__(self) -> bool:
+        return bool(self._links)
+
+    def reset(self) -> None:
+        """Begin at rest: to be called when everything was moved to its start."""
+        self._steps = 0
+        self._set(False)
+
+    def update(self) -> None:
+        """Look whether the body falls or rises. Call it before each step."""
+        if self._steps % _PERIOD_STEPS == 0:
+            velocity, _ = pybullet.getBaseVelocity(
+                self._body.body_id, physicsClientId=self._body.physics_client_id)
+            self._set(abs(velocity[2]) > _FALLS_M_S)
+        self._steps += 1
+
+    def _set(self, falls: bool) -> None:
+        if falls != self._falls:
+            self._falls = falls
+            for link in self._links:
+                pybullet.changeDynamics(
+                    self._body.body_id, link, contactProcessingThreshold=falls * _ALWAYS_M,
+                    physicsClientId=self._body.physics_client_id)
+                # the threshold of a contact is the one that it began with
+                self._forget_contacts((self._body.body_id, link))
+
+
+def apply(body: FramedBody) -> List[int]:
+    """Give the contacts of a body their stiffness, and let it bounce if its file says so.
+
+    Returns:
+        The links whose contacts do not slow a body down before it touches.
+    """
+    springs = _springs(body)
+    for link, spring in springs.items():
         pybullet.changeDynamics(
             body.body_id, link, contactStiffness=spring.stiffness, contactDamping=spring.damping,
             physicsClientId=body.physics_client_id,
@@ -83,6 +135,7 @@ def apply(body: FramedBody) -> None:
             # PyBullet multiplies those of two bodies, where ODE takes the lower one
             pybullet.changeDynamics(body.body_id, link, restitution=math.sqrt(contact.bounce),
                                     physicsClientId=body.physics_client_id)
+    return [link for link, spring in springs.items() if not spring.slows]
 
 
 def _springs(body: FramedBody) -> Dict[int, Spring]:

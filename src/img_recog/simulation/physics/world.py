@@ -51,6 +51,7 @@ class World:
         self._forces: Dict[int, Forces] = {}
         self._gears: Dict[int, List[int]] = {}
         self._directions: Dict[int, Directions] = {}
+        self._landings: Dict[int, stiffness.Landing] = {}
         self.pushes, self.sleeping = Pushes(), Sleeping(physics_client_id, settings.step_s)
         self.file, self.revision = file._replace(trees=()), 0
         self.bodies: List[FramedBody] = []
@@ -158,7 +159,10 @@ class World:
         self._meeting.add(bodies)
         lines: List[str] = []
         for body in bodies:
-            stiffness.apply(body)       # before anything looks for contacts
+            # before anything looks for contacts
+            landing = stiffness.Landing(body, self._meeting.forget_contacts_of)
+            if landing:
+                self._landings[body.body_id] = landing
             self._gears[body.body_id] = gears.add(body)
             forces = Forces(body, self.step_s, self.file.gravity)
             lines += ['{}: {}'.format(body.name, line) for line in forces.warnings]
@@ -175,6 +179,7 @@ class World:
         self._meeting.forget(body)
         self._forces.pop(body.body_id, None)
         self._directions.pop(body.body_id, None)
+        self._landings.pop(body.body_id, None)
         gears.remove(self._gears.pop(body.body_id, ()), self.physics_client_id)
         self.pushes.forget(body)
 
@@ -230,6 +235,7 @@ class World:
         if self._pairs.needs_updates:
             acting.append(self._pairs.update)
         acting += [directions.update for directions in self._directions.values()]
+        acting += [landing.update for landing in self._landings.values()]
         while count > 0:
             steps = count
             if self.sleeping:
@@ -254,6 +260,8 @@ class World:
         self._pairs.reset()
         for directions in self._directions.values():
             directions.reset()
+        for landing in self._landings.values():
+            landing.reset()
         self._is_at_start = True
 
     def notify_changed(self) -> None:

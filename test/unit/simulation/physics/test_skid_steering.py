@@ -11,12 +11,13 @@ _WHEELS = {'lf': (1, 1), 'lb': (-1, 1), 'rf': (1, -1), 'rb': (-1, -1)}
 ISOTROPIC = ''
 DIRECTED = ('<surface><friction><ode><mu>{0}</mu><mu2>{0}</mu2><fdir1>1 0 0</fdir1></ode>'
             '</friction><contact><ode><kp>1e7</kp><kd>1</kd></ode></contact></surface>').format
+LONG = 0.12, 0.1, 0.06, 4, 0.4
 HINGE = ('<joint name="j_{0}" type="revolute"><parent>base</parent><child>{0}</child><axis>'
          '<xyz>0 0 1</xyz></axis></joint>')
 
 
-def turned(heading, half_base, half_track, radius, base_mass, wheel_mass, surface, velocity):
-    """Return the yaw in rad of a robot after 3 s; velocity: of its wheels, in rad/s."""
+def four_wheeled(heading, height, half_base, half_track, radius, base_mass, wheel_mass, surface):
+    """Return a simulator with a robot r at a height above the floor, in m."""
     disc = '<cylinder><radius>{}</radius><length>0.04</length></cylinder>'.format(radius)
     across = wheel_mass * (3 * radius ** 2 + 0.04 ** 2) / 12
     parts = [sdf.link('base', '0 0 {}'.format(radius + 0.02),
@@ -28,8 +29,13 @@ def turned(heading, half_base, half_track, radius, base_mass, wheel_mass, surfac
                                              -math.pi / 2),
             disc, mass=wheel_mass, moments=(across, across, wheel_mass * radius ** 2 / 2),
             surface=surface), HINGE.format(name)]
-    simulator = sdf.simulated(sdf.BUILT_IN, sdf.model(
-        'r', *parts, pose='0 0 0 0 0 {}'.format(heading)))
+    return sdf.simulated(sdf.BUILT_IN, sdf.model(
+        'r', *parts, pose='0 0 {} 0 0 {}'.format(height, heading)))
+
+
+def turned(heading, *robot, velocity):
+    """Return the yaw in rad of a robot after 3 s; velocity: of its wheels, in rad/s."""
+    simulator = four_wheeled(heading, 0, *robot)
     values = sdf.figures(simulator, 0.0)
     for name, (_, left) in _WHEELS.items():
         values.set_motor('r::j_' + name, -left * velocity, 10.0)
@@ -40,14 +46,27 @@ def turned(heading, half_base, half_track, radius, base_mass, wheel_mass, surfac
 @pytest.mark.parametrize('heading, yaw', [(0, 0.1385), (0.3, 0.2603), (0.785, 0.3195)])
 def test_a_robot_turns_at_each_heading_though_friction_is_a_pyramid(heading, yaw):
     """Contacts touch by turns, which leaves time to slip. Without that, it is 0 at heading 0."""
-    found = turned(heading, 0.12, 0.1, 0.06, 4, 0.4, ISOTROPIC, 0.5)
+    found = turned(heading, *LONG, ISOTROPIC, velocity=0.5)
     assert yaw / 2 < found < 2 * yaw
 
 
 @pytest.mark.parametrize('heading', [0, 0.3, 0.785])
-@pytest.mark.parametrize('robot, yaw', [
-    ((0.1, 0.15, 0.08, 12, 0.6, DIRECTED(0.5), 0.9), 1.2551),
+@pytest.mark.parametrize('robot, velocity, yaw', [
+    ((0.1, 0.15, 0.08, 12, 0.6, DIRECTED(0.5)), 0.9, 1.2551),
     # too long to turn
-    ((0.12, 0.1, 0.06, 4, 0.4, DIRECTED(0.6), 0.5), 0.0033)])
-def test_with_a_direction_of_friction_the_heading_makes_no_difference(robot, yaw, heading):
-    assert turned(heading, *robot) == pytest.approx(yaw, rel=0.02, abs=0.01)
+    ((*LONG, DIRECTED(0.6)), 0.5, 0.0033)])
+def test_with_a_direction_of_friction_the_heading_makes_no_difference(
+        robot, velocity, yaw, heading):
+    assert turned(heading, *robot, velocity=velocity) == pytest.approx(yaw, rel=0.02, abs=0.01)
+
+
+@pytest.mark.parametrize('surface', [ISOTROPIC, DIRECTED(0.5)])
+def test_a_robot_that_falls_onto_its_wheels_does_not_bounce(surface):
+    simulator = four_wheeled(0, 0.03, *LONG, surface)
+    body = simulator.world.bodies[0]
+    heights = []
+    for _ in range(500):
+        simulator.advance(1)
+        heights.append(body.pose().position[2])
+    landed = next(step for step, height in enumerate(heights) if height < heights[-1] + 1e-5)
+    assert max(heights[landed:]) < heights[-1] + 1e-4
