@@ -244,8 +244,8 @@ def _lows(body: FramedBody, within_m: float) -> List[_Low]:
             body.pose()[:2] if indices[link.name] == -1 else pybullet.getLinkState(
                 body.body_id, indices[link.name], computeForwardKinematics=1,
                 physicsClientId=body.physics_client_id)[4:6])
+        turned = matrix(orientation)
         for solid in link.solids:
-            turned = matrix(orientation)
             found.append((position[2] + _lowest(solid, turned), _Low(
                 solid, link.name in wheels, turned @ solid.pose.rotation)))
     lowest = min((height for height, _ in found), default=0.0)
