@@ -60,7 +60,7 @@ class Guard:
             looked = self._moving[self._next:self._next + _AT_A_LOOK]
             self._next = (self._next + _AT_A_LOOK) % max(len(self._moving), 1)
             # also False for NaN
-            is_well = all([-_FAR_M < sum(body.center()) < _FAR_M for body in looked])
+            is_well = all([-_FAR_M < sum(body.center()[0]) < _FAR_M for body in looked])
         if not is_well:
             self._mend(steps)
             self._find()

@@ -3,7 +3,6 @@ from typing import Callable, Dict, List, Sequence, Set
 
 from img_recog import rotations
 from img_recog.simulation.physics import contacts, tires
-from img_recog.simulation.physics.client import link_indices
 from img_recog.simulation.vehicle import Vehicle
 
 _LOOKS = 2              # in a row: at the start, a robot may still fall
@@ -35,8 +34,7 @@ class HangingWheels:
 def _standing_on(vehicle: Vehicle) -> List[str]:
     """Return the links on which a robot stands upright, if none of them is a driven wheel."""
     robot, drive = vehicle.robot, vehicle.settings.drive
-    names = {index: tires.owner(name) for name, index in link_indices(
-        robot.body_id, robot.physics_client_id).items()}
+    names = {index: tires.owner(name) for name, index in robot.link_indices.items()}
     driven = {names[robot.joints[name]] for name in (*drive.left_joints, *drive.right_joints)
               if name in robot.joints}
     if not driven or rotations.matrix(robot.pose().orientation)[2, 2] < _UPRIGHT:

@@ -11,6 +11,7 @@ import pybullet
 from img_recog import rotations
 from img_recog.model import Joint
 from img_recog.rotations import Quaternion, Transform
+from img_recog.simulation.physics.client import client_argument, link_indices
 
 Vector = Sequence[float]
 
@@ -83,26 +84,36 @@ class Motion(NamedTuple):
 class Body:
     """A body in a physics client.
 
-    body_id, physics_client_id: PyBullet's; fixed: whether the root link never moves; links: link
-    indices, -1 for the base; joints: index of each movable joint by name; root: name of the root
-    link; name: of the model; is_terrain: whether it is a heightmap, whose shape PyBullet does not
-    tell; is_plane: whether it is an infinite plane; was_moved: whether it is fixed, and was moved
-    from outside.
+    Attributes:
+        body_id: PyBullet's number of the body.
+        physics_client_id: PyBullet's number of its physics client.
+        client: That number as the keyword argument of each PyBullet call.
+        fixed: Whether the root link never moves.
+        links: Indices of the links, -1 for the base.
+        link_indices: Index of each link by its name.
+        joints: Index of each movable joint by its name.
+        root: Name of the root link.
+        name: Name of the model.
+        is_terrain: Whether it is a heightmap, whose shape PyBullet does not tell.
+        is_plane: Whether it is an infinite plane.
+        was_moved: Whether it is fixed, and was moved from outside.
     """
 
     is_terrain = is_plane = was_moved = False
 
     def __init__(self, body_id: int, physics_client_id: int, fixed: bool = False):
         self.body_id = body_id
-        self.physics_client_id = physics_client_id
+        self.physics_client_id, self.client = physics_client_id, client_argument(physics_client_id)
         self.fixed = fixed
         self.set_defaults()
-        self.links = range(-1, pybullet.getNumJoints(body_id, physicsClientId=physics_client_id))
-        self.joints = self._movable_joints()
-        self.root, self.name = (name.decode() for name in pybullet.getBodyInfo(
-            body_id, physicsClientId=physics_client_id))
-        self.mass_in_root = pybullet.getDynamicsInfo(
-            body_id, -1, physicsClientId=physics_client_id)[3:5]
+        self.links = range(-1, pybullet.getNumJoints(body_id, **self.client))
+        self.link_indices = link_indices(body_id, physics_client_id)
+        joints = (pybullet.getJointInfo(body_id, link, **self.client) for link in self.links[1:])
+        self.joints: Dict[str, int] = {joint[1].decode(): joint[0] for joint in joints
+                                       if joint[2] != pybullet.JOINT_FIXED}
+        self.root, self.name = (
+            name.decode() for name in pybullet.getBodyInfo(body_id, **self.client))
+        self.mass_in_root = pybullet.getDynamicsInfo(body_id, -1, **self.client)[3:5]
         self._root_in_mass = pybullet.invertTransform(*self.mass_in_root)
         self.keep_as_start()
 
@@ -111,8 +122,7 @@ class Body:
         # of the whole body; in a call that sets something of a link, these would make PyBullet
         # set that of the root link
         pybullet.changeDynamics(self.body_id, -1, linearDamping=0, angularDamping=0,
-                                maxJointVelocity=_MAX_JOINT_VELOCITY,
-                                physicsClientId=self.physics_client_id)
+                                maxJointVelocity=_MAX_JOINT_VELOCITY, **self.client)
 
     def release(self, joints: Sequence[Joint], driven: Container[int] = ()) -> None:
         """Switch off the motors of the joints but those that are held; PyBullet holds all.
@@ -121,13 +131,12 @@ class Body:
         indices of those that are left as they are.
         """
         held = {joint.name: joint for joint in joints if joint.held}
-        client = {'physicsClientId': self.physics_client_id}
         released = [index for name, index in self.joints.items()
                     if name not in held and index not in driven]
-        frictions = [pybullet.getJointInfo(self.body_id, index, **client)[7]
+        frictions = [pybullet.getJointInfo(self.body_id, index, **self.client)[7]
                      for index in released]
         pybullet.setJointMotorControlArray(
-            self.body_id, released, pybullet.VELOCITY_CONTROL, forces=frictions, **client)
+            self.body_id, released, pybullet.VELOCITY_CONTROL, forces=frictions, **self.client)
         for name, joint in held.items():
             index = self.joints.get(name)
             if index is None or index in driven:
@@ -135,42 +144,25 @@ class Body:
             if math.isinf(joint.held):
                 pybullet.setJointMotorControl2(
                     self.body_id, index, pybullet.POSITION_CONTROL, force=_HOLDING_FORCE,
-                    targetPosition=joint.nearest_to_0, **client)
+                    targetPosition=joint.nearest_to_0, **self.client)
             else:
                 pybullet.setJointMotorControl2(self.body_id, index, pybullet.VELOCITY_CONTROL,
-                                               force=joint.held, **client)
-
-    def _movable_joints(self) -> Dict[str, int]:
-        joints = {}
-        for index in self.links[1:]:
-            info = pybullet.getJointInfo(self.body_id, index,
-                                         physicsClientId=self.physics_client_id)
-            if info[2] != pybullet.JOINT_FIXED:
-                joints[info[1].decode()] = index
-        return joints
+                                               force=joint.held, **self.client)
 
     def mass(self) -> float:
         """Return the mass of all links as PyBullet simulates them, in kg."""
-        return sum(pybullet.getDynamicsInfo(self.body_id, link,
-                                            physicsClientId=self.physics_client_id)[0]
+        return sum(pybullet.getDynamicsInfo(self.body_id, link, **self.client)[0]
                    for link in self.links)
 
     def joint_values(self) -> Sequence[tuple]:
         """Return position, velocity, reaction forces and motor torque of each movable joint."""
         return pybullet.getJointStates(self.body_id, tuple(self.joints.values()),
-                                       physicsClientId=self.physics_client_id) or ()
+                                       **self.client) or ()
 
     def pose(self) -> BodyPose:
         """Return where the parts are now."""
-        position, orientation = self.transform_in_world(*self._root_in_mass)
+        position, orientation = pybullet.multiplyTransforms(*self.center(), *self._root_in_mass)
         return BodyPose(position, orientation, [value[0] for value in self.joint_values()])
-
-    def transform_in_world(self, position: Vector,
-                           orientation: Quaternion) -> Tuple[Vector, Quaternion]:
-        """Return a pose that is given in the frame of the center of mass as one in the world."""
-        center = pybullet.getBasePositionAndOrientation(self.body_id,
-                                                        physicsClientId=self.physics_client_id)
-        return pybullet.multiplyTransforms(*center, position, orientation)
 
     def place(self, pose: BodyPose) -> None:
         """Move the parts to `pose`, at rest."""
@@ -183,28 +175,40 @@ class Body:
 
     def state(self) -> BodyState:
         """Return where the parts are and how they move, for `restore`."""
-        client = {'physicsClientId': self.physics_client_id}
-        return BodyState(pybullet.getBasePositionAndOrientation(self.body_id, **client),
-                         pybullet.getBaseVelocity(self.body_id, **client),
+        return BodyState(self.center(), self.velocity(),
                          [(value[0], value[1]) for value in self.joint_values()])
 
-    def center(self) -> Vector:
-        """Return where the center of mass of the base is."""
-        return pybullet.getBasePositionAndOrientation(
-            self.body_id, physicsClientId=self.physics_client_id)[0]
+    def center(self, part: int = -1) -> Tuple[Vector, Quaternion]:
+        """Return the pose of the center of mass of a part in the world.
+
+        Args:
+            part: PyBullet's index of a link, -1 for the base.
+        """
+        if part == -1:
+            return pybullet.getBasePositionAndOrientation(self.body_id, **self.client)
+        return pybullet.getLinkState(self.body_id, part, computeForwardKinematics=1,
+                                     **self.client)[:2]
+
+    def velocity(self, part: int = -1) -> Tuple[Vector, Vector]:
+        """Return the velocity of the center of mass of a part: (3,) m/s and (3,) rad/s.
+
+        Args:
+            part: PyBullet's index of a link, -1 for the base.
+        """
+        if part == -1:
+            return pybullet.getBaseVelocity(self.body_id, **self.client)
+        return pybullet.getLinkState(self.body_id, part, computeLinkVelocity=1, **self.client)[6:8]
 
     def restore(self, state: BodyState) -> None:
         """Move the parts to a state."""
-        client = {'physicsClientId': self.physics_client_id}
-        pybullet.resetBasePositionAndOrientation(self.body_id, *state.center, **client)
-        pybullet.resetBaseVelocity(self.body_id, *state.velocity, **client)
+        pybullet.resetBasePositionAndOrientation(self.body_id, *state.center, **self.client)
+        pybullet.resetBaseVelocity(self.body_id, *state.velocity, **self.client)
         for joint, values in zip(self.joints.values(), state.joints):
-            pybullet.resetJointState(self.body_id, joint, *values, **client)
+            pybullet.resetJointState(self.body_id, joint, *values, **self.client)
 
     def joint_state(self, joint: str) -> Tuple[float, float]:
         """Return position and velocity of a joint, in rad and rad/s or m and m/s."""
-        state = pybullet.getJointState(self.body_id, self.joints[joint],
-                                       physicsClientId=self.physics_client_id)
+        state = pybullet.getJointState(self.body_id, self.joints[joint], **self.client)
         return state[0], state[1]
 
     def set_motor(self, joint: str, velocity: float, limit: float) -> None:
@@ -212,21 +216,18 @@ class Body:
         """
         pybullet.setJointMotorControl2(
             self.body_id, self.joints[joint], pybullet.VELOCITY_CONTROL, force=limit,
-            targetVelocity=possible_speed(velocity), physicsClientId=self.physics_client_id)
+            targetVelocity=possible_speed(velocity), **self.client)
 
     def set_joint(self, joint: str, position: float) -> None:
         """Put a joint at a position in rad or m, at rest."""
-        pybullet.resetJointState(self.body_id, self.joints[joint], position, 0.0,
-                                 physicsClientId=self.physics_client_id)
+        pybullet.resetJointState(self.body_id, self.joints[joint], position, 0.0, **self.client)
 
     def raise_by(self, height: float) -> None:
         """Move the body upward by a height in m, without changing how it moves."""
-        client = {'physicsClientId': self.physics_client_id}
-        (x, y, z), turned = pybullet.getBasePositionAndOrientation(self.body_id, **client)
-        velocity = pybullet.getBaseVelocity(self.body_id, **client)
+        ((x, y, z), turned), velocity = self.center(), self.velocity()
         pybullet.resetBasePositionAndOrientation(self.body_id, (x, y, z + height), turned,
-                                                 **client)
-        pybullet.resetBaseVelocity(self.body_id, *velocity, **client)
+                                                 **self.client)
+        pybullet.resetBaseVelocity(self.body_id, *velocity, **self.client)
 
     def reset(self) -> None:
         """Move the parts back to their start, at rest: to the last bit, which `place` rounds."""
@@ -234,9 +235,7 @@ class Body:
 
     def keep_as_start(self) -> None:
         """Let `reset` move the parts to where they are now; that is where they were loaded."""
-        center = pybullet.getBasePositionAndOrientation(self.body_id,
-                                                        physicsClientId=self.physics_client_id)
-        self._start = center, [value[0] for value in self.joint_values()]
+        self._start = self.center(), [value[0] for value in self.joint_values()]
         self._place(*self._start)       # PyBullet rounds an orientation when it is set
 
     def motion(self) -> Motion:
@@ -245,20 +244,16 @@ class Body:
 
     def speed(self) -> float:
         """Return the speed of the center of mass of the root link, in m/s."""
-        linear, _ = pybullet.getBaseVelocity(self.body_id, physicsClientId=self.physics_client_id)
-        return math.sqrt(sum(value * value for value in linear))
+        return math.hypot(*self.velocity()[0])
 
     def base_state(self, in_mass: Tuple[Vector, Quaternion]) -> FrameState:
         """Return the state of a frame fixed to the base.
 
         in_mass: the pose of that frame in the frame of the base's center of mass.
         """
-        center, turned = pybullet.getBasePositionAndOrientation(
-            self.body_id, physicsClientId=self.physics_client_id)
-        linear, angular = pybullet.getBaseVelocity(self.body_id,
-                                                   physicsClientId=self.physics_client_id)
-        return FrameState(pybullet.multiplyTransforms(center, turned, *in_mass), center, linear,
-                          angular)
+        center = self.center()
+        return FrameState(pybullet.multiplyTransforms(*center, *in_mass), center[0],
+                          *self.velocity())
 
     def in_part(self, part: int, pose: Transform) -> Tuple[Vector, Quaternion]:
         """Return a constant pose in the frame of a part as `part_state` takes it.
@@ -274,19 +269,15 @@ class Body:
         if part == -1:
             return self.base_state(in_part)
         state = pybullet.getLinkState(self.body_id, part, computeLinkVelocity=1,
-                                      computeForwardKinematics=1,
-                                      physicsClientId=self.physics_client_id)
+                                      computeForwardKinematics=1, **self.client)
         return FrameState(pybullet.multiplyTransforms(*state[4:6], *in_part), state[0],
                           *state[6:8])
 
     def set_velocity(self, linear: Vector, angular: Vector) -> None:
         """Set the velocity of the root link: m/s and rad/s, in the world."""
-        center, _ = pybullet.getBasePositionAndOrientation(self.body_id,
-                                                           physicsClientId=self.physics_client_id)
-        arm = np.subtract(center, self.pose().position)
+        arm = np.subtract(self.center()[0], self.pose().position)
         at_center = np.array(linear) + np.cross(angular, arm)
-        pybullet.resetBaseVelocity(self.body_id, at_center.tolist(), list(angular),
-                                   physicsClientId=self.physics_client_id)
+        pybullet.resetBaseVelocity(self.body_id, at_center.tolist(), list(angular), **self.client)
 
 
 def possible_speed(velocity: float) -> float:

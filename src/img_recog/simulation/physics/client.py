@@ -19,6 +19,11 @@ def connect(mode: int = pybullet.DIRECT, options: str = '') -> int:
     return physics_client_id
 
 
+def client_argument(physics_client_id: int) -> Dict[str, int]:
+    """Return the keyword argument with which a call of PyBullet goes to a physics client."""
+    return {'physicsClientId': physics_client_id}
+
+
 @contextlib.contextmanager
 def all_or_nothing(physics_client_id: int) -> Iterator[None]:
     """Remove the bodies that were loaded in the `with` block if it raises an error."""
@@ -39,7 +44,7 @@ def body_ids(physics_client_id: int) -> Tuple[int, ...]:
 
 def link_indices(body_id: int, physics_client_id: int) -> Dict[str, int]:
     """Return PyBullet's index of each link of a body by its name, -1 for the root link."""
-    client = {'physicsClientId': physics_client_id}
+    client = client_argument(physics_client_id)
     indices = {pybullet.getBodyInfo(body_id, **client)[0].decode(): -1}
     for index in range(pybullet.getNumJoints(body_id, **client)):
         indices[pybullet.getJointInfo(body_id, index, **client)[12].decode()] = index
@@ -49,7 +54,7 @@ def link_indices(body_id: int, physics_client_id: int) -> Dict[str, int]:
 def links_of_base(body_id: int, physics_client_id: int) -> Set[int]:
     """Return PyBullet's indices of the links that fixed joints hold at the base of a body, and -1.
     """
-    client, found = {'physicsClientId': physics_client_id}, {-1}
+    client, found = client_argument(physics_client_id), {-1}
     for index in range(pybullet.getNumJoints(body_id, **client)):
         info = pybullet.getJointInfo(body_id, index, **client)
         if info[2] == pybullet.JOINT_FIXED and info[16] in found:

@@ -26,10 +26,9 @@ def of(body: Body, detect: bool = False) -> List[ContactPoint]:
 
     detect: look for those of where the bodies are now instead.
     """
-    client = {'physicsClientId': body.physics_client_id}
     if detect:
-        pybullet.performCollisionDetection(**client)
+        pybullet.performCollisionDetection(**body.client)
     # of two robots, either may be the first body of a contact
     return [ContactPoint(*((point[4], point[1]) if point[2] == body.body_id
                            else (point[3], point[2])), -point[8], point[7][2], point[9])
-            for point in pybullet.getContactPoints(body.body_id, **client)]
+            for point in pybullet.getContactPoints(body.body_id, **body.client)]

@@ -59,9 +59,8 @@ def near_bodies(body: Body, margin_m: float = 0.0) -> Iterator[int]:
 
     margin_m: how far the boxes around the links of the body are enlarged.
     """
-    client = {'physicsClientId': body.physics_client_id}
     for link in body.links:
-        low, high = pybullet.getAABB(body.body_id, link, **client)
+        low, high = pybullet.getAABB(body.body_id, link, **body.client)
         yield from (other for other, _ in pybullet.getOverlappingObjects(
             [value - margin_m for value in low], [value + margin_m for value in high],
-            **client) or ())
+            **body.client) or ())

@@ -6,7 +6,7 @@ them, both sides of the pyramid become the same. So there are two links with the
 share the load: one has friction around the wheel, the other one along its axle.
 """
 import math
-from typing import Dict, Mapping, NamedTuple, Optional, Tuple
+from typing import Dict, NamedTuple, Optional, Tuple
 
 import numpy as np
 import pybullet
@@ -14,13 +14,11 @@ import pybullet
 from img_recog import rotations
 from img_recog.model import Friction, Joint
 from img_recog.simulation.physics.body import Vector
-from img_recog.simulation.physics.client import link_indices
 from img_recog.simulation.physics.framed_body import FramedBody
 from img_recog.simulation.physics.tires import ACROSS, wheel_of
 
-_PERIOD_STEPS = 10
 _PARALLEL = 0.7
-_FAST_RAD_S = 30.0      # a faster wheel turns too far in a period
+_FAST_RAD_S = 30.0      # a faster wheel turns too far between two updates
 _MEAN_COSINE = 2 / math.pi      # over a turn of the wheel
 
 
@@ -45,18 +43,17 @@ class Directions:
     """The wheels of a body that have a direction of friction; false if there are none."""
 
     def __init__(self, body: FramedBody):
-        self._body, self._client = body, {'physicsClientId': body.physics_client_id}
-        indices = link_indices(body.body_id, body.physics_client_id)
+        self._body, self._client = body, body.client
         surfaces = {link.name: link.surface for link in body.model.links}
-        wheels = {wheel_of(name) for name in indices if name.endswith(ACROSS)}
-        self._wheels = [self._wheel(joint, indices, surfaces[joint.child])
+        wheels = {wheel_of(name) for name in body.link_indices if name.endswith(ACROSS)}
+        self._wheels = [self._wheel(joint, surfaces[joint.child])
                         for joint in body.model.joints if joint.child in wheels]
-        self.reset()
 
     def __bool__(self) -> bool:
         return bool(self._wheels)
 
-    def _wheel(self, joint: Joint, indices: Mapping[str, int], friction: Friction) -> _Wheel:
+    def _wheel(self, joint: Joint, friction: Friction) -> _Wheel:
+        indices = self._body.link_indices
         direction, axle = np.array(friction.direction), np.asarray(joint.axis)
         direction /= np.linalg.norm(direction)
         treads = {name: index for name, index in indices.items()
@@ -75,16 +72,10 @@ class Directions:
                                          np.where(is_axle, 0.0, around * half))
                           for name, index in treads.items()})
 
-    def reset(self) -> None:
-        """Begin a new period: to be called when everything was moved to its start."""
-        self._steps = 0
-
     def update(self) -> None:
-        """Set the friction for the headings of the wheels. Call it before each step."""
-        if self._steps % _PERIOD_STEPS == 0:
-            for wheel in self._wheels:
-                self._set(wheel)
-        self._steps += 1
+        """Set the friction for the headings of the wheels. Call it every few steps."""
+        for wheel in self._wheels:
+            self._set(wheel)
 
     def _set(self, wheel: _Wheel) -> None:
         # without numpy, which takes ten times as long for so little

@@ -25,16 +25,12 @@ def footprints(world: World) -> List[np.ndarray]:
 
 
 def _outlines(body: Body) -> Iterator[np.ndarray]:
-    client = body.physics_client_id
     for link in body.links:
-        if link == -1:
-            frame = pybullet.getBasePositionAndOrientation(body.body_id, physicsClientId=client)
-        else:
-            frame = pybullet.getLinkState(body.body_id, link, physicsClientId=client)[:2]
-        for shape in pybullet.getCollisionShapeData(body.body_id, link, physicsClientId=client):
+        for shape in pybullet.getCollisionShapeData(body.body_id, link, **body.client):
             points = _hull_points(shape[2], shape[3])
             if points is not None:
-                position, orientation = pybullet.multiplyTransforms(*frame, *shape[5:7])
+                position, orientation = pybullet.multiplyTransforms(*body.center(link),
+                                                                    *shape[5:7])
                 yield _convex_hull(
                     (points @ rotations.matrix(orientation).T + position)[:, :2])
 

@@ -11,9 +11,7 @@ import pybullet
 
 from img_recog import rotations
 from img_recog.model import Joint
-from img_recog.rotations import Quaternion
 from img_recog.simulation.physics.body import Body, Vector
-from img_recog.simulation.physics.client import link_indices
 from img_recog.simulation.physics.framed_body import FramedBody
 
 _MIN_SPEED = 0.01       # m/s and rad/s, of velocity decay: that of ODE
@@ -29,10 +27,9 @@ class Forces:
     """
 
     def __init__(self, body: FramedBody, step_s: float, gravity: Vector):
-        self._body, self._client = body, {'physicsClientId': body.physics_client_id}
+        self._body, self._client = body, body.client
         self._step_s, self.gravity = step_s, gravity
         self.warnings: List[str] = []
-        indices = link_indices(body.body_id, body.physics_client_id)
         stable = list(self._stable([
             joint for joint in body.model.joints
             if joint.name in body.joints and (joint.stiffness or joint.damping)]))
@@ -41,7 +38,7 @@ class Forces:
         # mass, inertia and decay of links
         self._links: List[Tuple[int, float, np.ndarray, bool, Tuple[float, float]]] = []
         for link in body.model.links:
-            index = indices[link.name]
+            index = body.link_indices[link.name]
             mass, _, moments = pybullet.getDynamicsInfo(body.body_id, index, **self._client)[:3]
             if mass and (link.has_gravity is False or any(link.decay)):
                 self._links.append((index, mass, np.array(moments),
@@ -79,7 +76,8 @@ class Forces:
             pybullet.setJointMotorControlArray(body_id, indices, pybullet.TORQUE_CONTROL,
                                                forces=torques, **client)
         for index, mass, moments, floats, decay in self._links:
-            center, turned, linear, angular = _state(self._body, index)
+            center, turned = self._body.center(index)
+            linear, angular = map(np.array, self._body.velocity(index))
             force = -mass * np.array(self.gravity) if floats else np.zeros(3)
             if decay[0] and np.linalg.norm(linear) > _MIN_SPEED:
                 force = force - mass * decay[0] / self._step_s * linear
@@ -92,28 +90,11 @@ class Forces:
                                              pybullet.WORLD_FRAME, **client)
 
 
-def _state(body: Body, link: int) -> Tuple[Vector, Quaternion, np.ndarray, np.ndarray]:
-    """Return the pose of a link's center of mass and principal axes, and its velocities."""
-    client = {'physicsClientId': body.physics_client_id}
-    if link == -1:
-        pose = pybullet.getBasePositionAndOrientation(body.body_id, **client)
-        linear, angular = pybullet.getBaseVelocity(body.body_id, **client)
-    else:
-        state = pybullet.getLinkState(body.body_id, link, computeLinkVelocity=1,
-                                      computeForwardKinematics=1, **client)
-        pose, (linear, angular) = state[:2], state[6:8]
-    center, turned = pose
-    return center, turned, np.array(linear), np.array(angular)
-
-
 def _inertias(body: Body) -> Dict[int, float]:
     """Return the inertia that a torque or force of each movable joint moves: kg m2 or kg."""
-    client = {'physicsClientId': body.physics_client_id}
-    movable = [link for link in body.links[1:] if pybullet.getJointInfo(
-        body.body_id, link, **client)[2] != pybullet.JOINT_FIXED]
-    positions = [state[0] for state in pybullet.getJointStates(body.body_id, movable, **client)]
-    matrix = np.array(pybullet.calculateMassMatrix(body.body_id, positions, **client))
+    positions = [state[0] for state in body.joint_values()]
+    matrix = np.array(pybullet.calculateMassMatrix(body.body_id, positions, **body.client))
     # the first ones are those of a base that moves
-    mobilities = np.linalg.pinv(matrix).diagonal()[-len(movable):]
+    mobilities = np.linalg.pinv(matrix).diagonal()[-len(positions):]
     return {link: 1 / max(float(mobility), _MIN_MOBILITY)
-            for link, mobility in zip(movable, mobilities)}
+            for link, mobility in zip(body.joints.values(), mobilities)}

@@ -10,7 +10,6 @@ from img_recog.formats.sdf_models import BETWEEN_AXES
 from img_recog.model import CONTINUOUS, AttachedFrame, Limits, Model
 from img_recog.rotations import Quaternion, Transform
 from img_recog.simulation.physics.body import Body, FrameState, Motion, Vector, motion_of_frame
-from img_recog.simulation.physics.client import link_indices
 from img_recog.simulation.physics.tires import owner, wheel_of
 
 
@@ -42,7 +41,6 @@ class FramedBody(Body):
             self.first_axes.setdefault(axis.partition(BETWEEN_AXES)[0], axis)
         self._mounts: Dict[str, AttachedFrame] = {}
         self._surfaces = model.surfaces
-        self._link_indices = link_indices(body_id, physics_client_id)
         self._carriers: Dict[str, Tuple[int, Tuple[Vector, Quaternion]]] = {}
 
     def motion(self, frame: Optional[str] = None) -> Motion:
@@ -64,10 +62,10 @@ class FramedBody(Body):
         """
         part, in_part = self._carrier(link)
         center = self.part_state(part, in_part).point
-        client = {'physicsClientId': self.physics_client_id}
         pybullet.applyExternalForce(self.body_id, part, force, center, pybullet.WORLD_FRAME,
-                                    **client)
-        pybullet.applyExternalTorque(self.body_id, part, torque, pybullet.WORLD_FRAME, **client)
+                                    **self.client)
+        pybullet.applyExternalTorque(self.body_id, part, torque, pybullet.WORLD_FRAME,
+                                     **self.client)
 
     def limits(self, joint: str) -> Limits:
         """Return the limits of the first axis of a joint, infinite where it has none."""
@@ -91,7 +89,7 @@ class FramedBody(Body):
         link: one with a contact sensor.
         """
         names = self._surfaces.get(link, ())
-        return {index: owner(part) for part, index in self._link_indices.items()
+        return {index: owner(part) for part, index in self.link_indices.items()
                 if wheel_of(part) in names}
 
     def stop_wheels(self) -> None:
@@ -116,6 +114,6 @@ class FramedBody(Body):
                 raise SimulationError('the robot has no link {} (links: {})'.format(
                     frame, ', '.join(sorted(self._frames))))
             name, pose = found
-            link = self._link_indices[name]
+            link = self.link_indices[name]
             self._carriers[frame] = link, self.in_part(link, pose)
         return self._carriers[frame]

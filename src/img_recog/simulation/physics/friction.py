@@ -20,10 +20,9 @@ from img_recog import rotations
 from img_recog.model import FLOOR_FRICTION, Friction
 from img_recog.simulation.physics import tires
 from img_recog.simulation.physics.body import Body
-from img_recog.simulation.physics.client import body_ids, link_indices, links_of_base
+from img_recog.simulation.physics.client import body_ids, links_of_base
 from img_recog.simulation.physics.framed_body import FramedBody
 
-_PERIOD_STEPS = 10
 _EPSILON = 1e-6
 
 _Link = Tuple[int, int]         # PyBullet's numbers of a body and of a link of it
@@ -37,17 +36,16 @@ def set_dynamics(body: FramedBody) -> None:
 
 def apply(body: FramedBody) -> None:
     """Give the links of a body the friction of its model."""
-    client = {'physicsClientId': body.physics_client_id}
     given = {link.name: link.surface for link in body.model.links}
     never_move = links_of_base(body.body_id, body.physics_client_id) if body.fixed else ()
-    for name, link in link_indices(body.body_id, body.physics_client_id).items():
+    for name, link in body.link_indices.items():
         wheel = tires.wheel_of(name)
         friction = Friction(0.0) if body.slides else given.get(wheel, Friction())
         pybullet.changeDynamics(
             body.body_id, link, lateralFriction=friction.largest,
             anisotropicFriction=_scales(
                 body, link, friction.at_most(FLOOR_FRICTION) if link in never_move
-                else friction), **client)
+                else friction), **body.client)
 
 
 def _scales(body: Body, link: int, friction: Friction) -> List[float]:
@@ -58,15 +56,11 @@ def _scales(body: Body, link: int, friction: Friction) -> List[float]:
     """
     if friction.mu == friction.across and not friction.direction:
         return [1.0, 1.0, 1.0]
-    client = {'physicsClientId': body.physics_client_id}
     if not friction.direction:
-        turned = (pybullet.getBasePositionAndOrientation(body.body_id, **client) if link == -1 else
-                  pybullet.getLinkState(body.body_id, link, computeForwardKinematics=1,
-                                        **client))[1]
         scales = np.full(3, friction.mu)
-        scales[np.argmax(np.abs(rotations.matrix(turned)[0]))] = friction.across
+        scales[np.argmax(np.abs(rotations.matrix(body.center(link)[1])[0]))] = friction.across
         return (scales / (friction.largest or 1.0)).tolist()
-    to_center = rotations.matrix(pybullet.getDynamicsInfo(body.body_id, link, **client)[4]).T
+    to_center = rotations.matrix(pybullet.getDynamicsInfo(body.body_id, link, **body.client)[4]).T
     direction = np.array(friction.direction) / np.linalg.norm(friction.direction)
     scales = np.full(3, friction.across)
     scales[np.argmax(np.abs(to_center @ direction))] = friction.mu
@@ -92,7 +86,6 @@ class Pairs:
         self._client = {'physicsClientId': physics_client_id}
         self._forget_contacts = forget_contacts
         self._surfaces: Dict[_Link, _Surface] = {}
-        self._steps = 0
         self._changed: Dict[_Link, float] = {}
 
     def refresh(self) -> None:
@@ -127,20 +120,15 @@ class Pairs:
 
     def reset(self) -> None:
         """Forget what touched: to be called when everything was moved back to its start."""
-        self._steps = 0
         for link in self._changed:
             self._set(link, self._surfaces[link].start)
         self._changed = {}
 
     def update(self) -> None:
-        """To be called before each step, if `needs_updates`."""
-        # also in each of the first ones, in which things come to rest on others
-        if self._steps < _PERIOD_STEPS or self._steps % _PERIOD_STEPS == 0:
-            self._set_touching()
-        self._steps += 1
+        """Give each surface that moves the coefficient that is right with what supports it most.
 
-    def _set_touching(self) -> None:
-        """Give each surface that moves the coefficient that is right with what bears it most."""
+        Call it every few steps, if `needs_updates`.
+        """
         forces: Dict[_Link, Dict[_Link, float]] = {}
         for contact in pybullet.getContactPoints(**self._client):
             ends = (contact[1], contact[3]), (contact[2], contact[4])

@@ -11,14 +11,13 @@ _ERP = 0.2              # of what a hard limit left of an error of the positions
 
 def add(body: FramedBody) -> List[int]:
     """Let the gears of a body's model hold; return the ids of their constraints."""
-    client = {'physicsClientId': body.physics_client_id}
     ids = []
     for gear in body.model.gears:
         ids.append(pybullet.createConstraint(
             body.body_id, body.joints[gear.joint], body.body_id, body.joints[gear.other],
-            pybullet.JOINT_GEAR, [0, 0, 1], [0, 0, 0], [0, 0, 0], **client))
+            pybullet.JOINT_GEAR, [0, 0, 1], [0, 0, 0], [0, 0, 0], **body.client))
         pybullet.changeConstraint(ids[-1], gearRatio=gear.ratio, maxForce=_MAX_FORCE, erp=_ERP,
-                                  **client)
+                                  **body.client)
     return ids
 
 

@@ -6,7 +6,7 @@ import pybullet
 
 from img_recog.model import ALL_BITS, BOX, PLANE, Link, Model
 from img_recog.simulation.physics.body import Body
-from img_recog.simulation.physics.client import link_indices, links_of_base
+from img_recog.simulation.physics.client import links_of_base
 from img_recog.simulation.physics.framed_body import FramedBody
 from img_recog.simulation.physics.tires import wheel_of
 
@@ -95,13 +95,12 @@ class Meeting:
 
         Rays and contacts then find a body that was moved while it slept.
         """
-        indices = link_indices(body.body_id, body.physics_client_id)
         static = links_of_base(body.body_id, body.physics_client_id) if body.fixed else ()
         floors = {link.name for link in body.model.links if _is_floor(link)}
         # all solids of a link have one mask in PyBullet
         bitmasks = {link.name: link.solids[0].bitmask for link in body.model.links if link.solids}
-        wheels = {wheel_of(name) for name in indices if name != wheel_of(name)}
-        for name, index in indices.items():
+        wheels = {wheel_of(name) for name in body.link_indices if name != wheel_of(name)}
+        for name, index in body.link_indices.items():
             wheel = wheel_of(name)
             if wheel in bitmasks:
                 kind = _TREADS if name != wheel else _WHEEL if wheel in wheels else _MOVING
@@ -128,10 +127,10 @@ def _is_floor(link: Link) -> bool:
 
 def _solid_links(body: FramedBody) -> Iterator[Tuple[int, str, str]]:
     """Yield the index of each link with solids, its owner and the space of that."""
-    indices, owners = link_indices(body.body_id, body.physics_client_id), _owners(body.model)
+    owners = _owners(body.model)
     spaces = {link.name: link.space for link in body.model.links}
     solid = {link.name for link in body.model.links if link.solids}
-    for name, index in indices.items():
+    for name, index in body.link_indices.items():
         wheel = wheel_of(name)
         if wheel in solid:
             yield index, owners[wheel], spaces[owners[wheel]]

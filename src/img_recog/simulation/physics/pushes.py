@@ -65,7 +65,7 @@ class Effort(Push):
         if velocity * np.sign(self.effort) <= self.highest_velocity:
             pybullet.setJointMotorControl2(
                 body.body_id, body.joints[joint], pybullet.TORQUE_CONTROL, force=self.effort,
-                physicsClientId=body.physics_client_id)
+                **body.client)
 
 
 class Pushes:

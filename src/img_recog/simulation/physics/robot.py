@@ -84,15 +84,14 @@ class SimulatedRobot(FramedBody):
         return tuple(state[1] for state in self._wheel_states())
 
     def _wheel_states(self) -> Sequence[tuple]:
-        return pybullet.getJointStates(self.body_id, self._wheels,
-                                       physicsClientId=self.physics_client_id) or ()
+        return pybullet.getJointStates(self.body_id, self._wheels, **self.client) or ()
 
     def set_wheel_velocities(self, velocities: Sequence[float]) -> None:
         """Set the target velocities of the motors of the wheels, in rad/s."""
         pybullet.setJointMotorControlArray(
             self.body_id, self._wheels, pybullet.VELOCITY_CONTROL,
             targetVelocities=list(map(possible_speed, velocities)),
-            forces=self._torques, physicsClientId=self.physics_client_id)
+            forces=self._torques, **self.client)
 
     def joint_states(self) -> JointStates:
         """Return the states of all movable joints.
@@ -100,7 +99,7 @@ class SimulatedRobot(FramedBody):
         Right wheels come first, then left ones, then the others in the order of the model.
         """
         states = pybullet.getJointStates(self.body_id, tuple(self._published.values()),
-                                         physicsClientId=self.physics_client_id) or ()
+                                         **self.client) or ()
         return JointStates(tuple(self._published), [state[0] for state in states],
                            [state[1] for state in states], [state[3] for state in states])
 

@@ -63,7 +63,7 @@ def first_in_line(body: Body, upward: bool) -> Tuple[int, float]:
     x, y, z = (low + high) / 2
     end = z + (_FAR_M if upward else -_FAR_M)
     while True:         # through the body itself
-        (hit,) = pybullet.rayTest((x, y, z), (x, y, end), physicsClientId=body.physics_client_id)
+        (hit,) = pybullet.rayTest((x, y, z), (x, y, end), **body.client)
         if hit[0] != body.body_id:
             return hit[0], hit[3][2]
         z = hit[3][2] + (_TOUCH_M if upward else -_TOUCH_M)
@@ -71,29 +71,25 @@ def first_in_line(body: Body, upward: bool) -> Tuple[int, float]:
 
 def is_near(body: Body, others: Sequence[Body], distance_m: float) -> bool:
     """Return whether one of the others is at most a distance away from a body."""
-    return any(pybullet.getClosestPoints(body.body_id, other.body_id, distance_m,
-                                         physicsClientId=body.physics_client_id)
+    return any(pybullet.getClosestPoints(body.body_id, other.body_id, distance_m, **body.client)
                for other in others)
 
 
 def depth(body: Body, other: Body) -> float:
     """Return how deep, in m, a body is in another one; 0 when they do not touch."""
-    points = pybullet.getClosestPoints(body.body_id, other.body_id, 0.0,
-                                       physicsClientId=body.physics_client_id)
+    points = pybullet.getClosestPoints(body.body_id, other.body_id, 0.0, **body.client)
     return -min((point[8] for point in points), default=0.0)
 
 
 def links_in(body: Body, other: Body) -> Set[int]:
     """Return the links that joints move of a body that are deeper in another one than contacts."""
-    points = pybullet.getClosestPoints(body.body_id, other.body_id, 0.0,
-                                       physicsClientId=body.physics_client_id)
+    points = pybullet.getClosestPoints(body.body_id, other.body_id, 0.0, **body.client)
     return {point[3] for point in points if point[8] < -MAX_DEPTH_M and _moves(body, point[3])}
 
 
 def _moves(body: Body, link: int) -> bool:
     while link != -1 and link not in body.joints.values():
-        link = pybullet.getJointInfo(body.body_id, link,
-                                     physicsClientId=body.physics_client_id)[16]
+        link = pybullet.getJointInfo(body.body_id, link, **body.client)[16]
     return link != -1
 
 
@@ -135,7 +131,6 @@ def _within_reach(body: Body, others: Sequence[Body]) -> List[Body]:
 
 def _bounds(body: Body) -> np.ndarray:
     """Return the lowest and the highest corner, (2, 3), of the box around a body."""
-    boxes = np.array([pybullet.getAABB(body.body_id, link,
-                                       physicsClientId=body.physics_client_id)
+    boxes = np.array([pybullet.getAABB(body.body_id, link, **body.client)
                       for link in body.links])
     return np.array([boxes[:, 0].min(axis=0), boxes[:, 1].max(axis=0)])

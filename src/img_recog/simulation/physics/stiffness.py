@@ -16,16 +16,16 @@ the body goes down until what it is moved in a step is as much: that is a spring
 softer the heavier the body is (`_as_moved`).
 """
 import math
-from typing import Callable, Dict, List, Mapping, NamedTuple, Set, Tuple
+from typing import Callable, Dict, Iterable, List, Mapping, NamedTuple, Set, Tuple
 
 import numpy as np
 import pybullet
 
 from img_recog.errors import SimulationError
 from img_recog.model import BOX, CAPSULE, CYLINDER, MESH, SPHERE, Contact, Solid
-from img_recog.rotations import matrix
+from img_recog.rotations import IDENTITY, matrix
 from img_recog.simulation.physics import mesh_cache
-from img_recog.simulation.physics.client import link_indices
+from img_recog.simulation.physics.body import Body
 from img_recog.simulation.physics.framed_body import FramedBody
 from img_recog.simulation.physics.tires import ACROSS, TREAD, wheel_of
 
@@ -33,7 +33,7 @@ from img_recog.simulation.physics.tires import ACROSS, TREAD, wheel_of
 _STIFFNESS_N_M, _DAMPING_N_S_M = 3e5, 1e5
 # for each kg of a body with joints that does not stand on wheels; no contact of a robot is softer
 _JOINTED_N_M, _JOINTED_N_S_M = 1e4, 2e3
-_FALLS_M_S, _PERIOD_STEPS = 0.1, 10     # from which vertical speed on, and how often it is read
+_FALLS_M_S = 0.1        # vertical speed from which on a body falls
 _ALWAYS_M = 1e18        # threshold of contacts by which all that are computed act
 _PUSH = 0.5         # share of the depth of a wheel that a contact pushes out in a step
 # for each kg of a robot: two links that touch in one place share the load only if both give way
@@ -89,23 +89,18 @@ class Landing:
         self._body, self._forget_contacts = body, forget_contacts
         links = apply(body)
         self._links = links if body.joints else []
-        self._falls, self._steps = False, 0
+        self._falls = False
 
     def __bool__(self) -> bool:
         return bool(self._links)
 
     def reset(self) -> None:
         """Begin at rest: to be called when everything was moved to its start."""
-        self._steps = 0
         self._set(False)
 
     def update(self) -> None:
-        """Look whether the body falls or rises. Call it before each step."""
-        if self._steps % _PERIOD_STEPS == 0:
-            velocity, _ = pybullet.getBaseVelocity(
-                self._body.body_id, physicsClientId=self._body.physics_client_id)
-            self._set(abs(velocity[2]) > _FALLS_M_S)
-        self._steps += 1
+        """Check whether the body falls or rises. Call it every few steps."""
+        self._set(abs(self._body.velocity()[0][2]) > _FALLS_M_S)
 
     def _set(self, falls: bool) -> None:
         if falls != self._falls:
@@ -113,7 +108,7 @@ class Landing:
             for link in self._links:
                 pybullet.changeDynamics(
                     self._body.body_id, link, contactProcessingThreshold=falls * _ALWAYS_M,
-                    physicsClientId=self._body.physics_client_id)
+                    **self._body.client)
                 # the threshold of a contact is the one that it began with
                 self._forget_contacts((self._body.body_id, link))
 
@@ -124,42 +119,46 @@ def apply(body: FramedBody) -> List[int]:
     Returns:
         The links whose contacts do not slow a body down before it touches.
     """
-    springs = _springs(body)
+    contacts = _contacts(body)
+    springs = _springs(body, contacts)
     for link, spring in springs.items():
         pybullet.changeDynamics(
             body.body_id, link, contactStiffness=spring.stiffness, contactDamping=spring.damping,
-            physicsClientId=body.physics_client_id,
+            **body.client,
             **({} if spring.slows else {'contactProcessingThreshold': 0}))
-    for link, contact in _contacts(body).items():
+    for link, contact in contacts.items():
         if contact.bounce > _LITTLE and (body.fixed or contact.throws):
             # PyBullet multiplies those of two bodies, where ODE takes the lower one
             pybullet.changeDynamics(body.body_id, link, restitution=math.sqrt(contact.bounce),
-                                    physicsClientId=body.physics_client_id)
+                                    **body.client)
     return [link for link, spring in springs.items() if not spring.slows]
 
 
-def _springs(body: FramedBody) -> Dict[int, Spring]:
+def _springs(body: FramedBody, contacts: Mapping[int, Contact]) -> Dict[int, Spring]:
     """Return the springs of the links of a body that have their own, by PyBullet's indices."""
     mass = 0.0 if body.fixed else body.mass()
     if not mass:
         return {}
-    contacts, limit = _contacts(body), _STIFFNESS_N_M
+    has_contacts = any(contact != Contact() for contact in contacts.values())
+    lows = _lows(body) if body.joints or has_contacts else []
+    # links with treads in places where other links have theirs, too
+    shared = {body.link_indices[name] for across in body.link_indices if across.endswith(ACROSS)
+              for name in (across, across[:-len(ACROSS)])}
     found: Dict[int, Spring] = {}
+    limit = _STIFFNESS_N_M
     if body.joints:
         limit = mass * _JOINTED_N_M
         found = {link: Spring(limit, mass * _JOINTED_N_S_M) for link in body.links}
-        if _stands_on_wheels(body):
+        if _stands_on_wheels(lows):
             # for the whole client: wheels would never leave the floor with PyBullet's slop
-            pybullet.setPhysicsEngineParameter(contactSlop=0,
-                                               physicsClientId=body.physics_client_id)
-            found.update(_of_robot(body, mass, contacts))
-    points = ([low.points() for low in _lows(body, _LOW_M)]
-              if any(contact != Contact() for contact in contacts.values()) else [])
-    count, shared = sum(in_ode for in_ode, _ in points), _shared(body)
+            pybullet.setPhysicsEngineParameter(contactSlop=0, **body.client)
+            found.update(_of_robot(body, mass, contacts, shared))
+    points = [low.points() for low in lows if low.height_m < _LOW_M]
+    count = sum(in_ode for in_ode, _ in points)
     for link, contact in contacts.items():
         if contact == Contact():
             continue
-        spring = _as_moved(contact, mass, count, body.physics_client_id)
+        spring = _as_moved(contact, mass, count, body)
         if spring.stiffness < limit:
             found[link] = spring.scaled(count / sum(here for _, here in points)
                                         / (1 + (link in shared)))
@@ -169,12 +168,11 @@ def _springs(body: FramedBody) -> Dict[int, Spring]:
     return found
 
 
-def _of_robot(body: FramedBody, mass: float, contacts: Mapping[int, Contact]) -> Dict[int, Spring]:
-    """Return the springs of a body on wheels: those of ODE, with less push."""
-    step_s = pybullet.getPhysicsEngineParameters(
-        physicsClientId=body.physics_client_id)['fixedTimeStep']
-    found, shared = {}, _shared(body)
-    names = link_indices(body.body_id, body.physics_client_id)
+def _of_robot(body: FramedBody, mass: float, contacts: Mapping[int, Contact],
+              shared: Set[int]) -> Dict[int, Spring]:
+    """Return the springs of a body on wheels: the springs of ODE, with less push."""
+    step_s = pybullet.getPhysicsEngineParameters(**body.client)['fixedTimeStep']
+    found, names = {}, body.link_indices
     # a wheel itself meets no floor
     for link in contacts.keys() - {names[wheel_of(name)] for name in names if TREAD in name}:
         contact = contacts[link]
@@ -185,13 +183,13 @@ def _of_robot(body: FramedBody, mass: float, contacts: Mapping[int, Contact]) ->
     return found
 
 
-def _as_moved(contact: Contact, mass: float, count: int, physics_client_id: int) -> Spring:
+def _as_moved(contact: Contact, mass: float, count: int, body: Body) -> Spring:
     """Return the spring for a body of a mass in kg that stands on a number of points.
 
     A velocity v in a contact of ODE, which pushes with D = h kp + kd, meets a force of
     D (max_vel - v). What h F / m does not take of the position in a step of h, the spring does.
     """
-    values = pybullet.getPhysicsEngineParameters(physicsClientId=physics_client_id)
+    values = pybullet.getPhysicsEngineParameters(**body.client)
     step_s = values['fixedTimeStep']
     load = mass * math.hypot(*(values['gravityAcceleration' + axis] for axis in 'XYZ'))
     # <kd> of both add up, and that of a floor is 1
@@ -208,22 +206,21 @@ def _as_moved(contact: Contact, mass: float, count: int, physics_client_id: int)
 def _contacts(body: FramedBody) -> Dict[int, Contact]:
     """Return the contacts of the links that have solids, by PyBullet's indices."""
     contacts = {link.name: link.solids[0].contact for link in body.model.links if link.solids}
-    return {index: contacts[wheel_of(name)]
-            for name, index in link_indices(body.body_id, body.physics_client_id).items()
+    return {index: contacts[wheel_of(name)] for name, index in body.link_indices.items()
             if wheel_of(name) in contacts}
 
 
-def _shared(body: FramedBody) -> Set[int]:
-    """Return the links with treads in places where others have theirs, too."""
-    indices = link_indices(body.body_id, body.physics_client_id)
-    return {indices[name] for across in indices if across.endswith(ACROSS)
-            for name in (across, across[:-len(ACROSS)])}
-
-
 class _Low(NamedTuple):
-    """A solid that a body stands on, whether it is a wheel, and its rotation (3, 3) in the world.
+    """A solid on which a body can stand.
+
+    Attributes:
+        height_m: Height above the lowest solid of the body.
+        solid: Its shape and pose in the link.
+        is_wheel: Whether it is a wheel with treads.
+        turned: Its rotation (3, 3) in the world.
     """
 
+    height_m: float
     solid: Solid
     is_wheel: bool
     turned: np.ndarray
@@ -235,21 +232,18 @@ class _Low(NamedTuple):
         return (1, 1) if self.solid.shape.kind == SPHERE else (4, 4)
 
 
-def _lows(body: FramedBody, within_m: float) -> List[_Low]:
-    """Return the lowest solids of a body where it was loaded, up to a height above the lowest."""
-    indices = link_indices(body.body_id, body.physics_client_id)
-    wheels, found = {wheel_of(name) for name in indices if TREAD in name}, []
+def _lows(body: FramedBody) -> List[_Low]:
+    """Return the solids of a body where it was loaded."""
+    wheels = {wheel_of(name) for name in body.link_indices if TREAD in name}
+    found: List[_Low] = []
     for link in body.model.links:
-        position, orientation = (
-            body.pose()[:2] if indices[link.name] == -1 else pybullet.getLinkState(
-                body.body_id, indices[link.name], computeForwardKinematics=1,
-                physicsClientId=body.physics_client_id)[4:6])
+        part = body.link_indices[link.name]
+        position, orientation = body.part_state(part, body.in_part(part, IDENTITY)).frame
         turned = matrix(orientation)
-        for solid in link.solids:
-            found.append((position[2] + _lowest(solid, turned), _Low(
-                solid, link.name in wheels, turned @ solid.pose.rotation)))
-    lowest = min((height for height, _ in found), default=0.0)
-    return [low for height, low in found if height < lowest + within_m]
+        found += [_Low(position[2] + _lowest(solid, turned), solid, link.name in wheels,
+                       turned @ solid.pose.rotation) for solid in link.solids]
+    lowest = min((low.height_m for low in found), default=0.0)
+    return [low._replace(height_m=low.height_m - lowest) for low in found]
 
 
 def _lowest(solid: Solid, turned: np.ndarray) -> float:
@@ -270,11 +264,11 @@ def _lowest(solid: Solid, turned: np.ndarray) -> float:
     return float(z - size[0] * round_part - length * abs(up[2]) / 2)
 
 
-def _stands_on_wheels(body: FramedBody) -> bool:
+def _stands_on_wheels(lows: Iterable[_Low]) -> bool:
     """Return whether a body stands on more than two wheels, and at most on one other solid.
 
     ODE's joints give way, so that wheels share the load with several casters. Those here do not,
     so such a body keeps contacts that give way.
     """
-    are_wheels = [low.is_wheel for low in _lows(body, _RESTS_M)]
+    are_wheels = [low.is_wheel for low in lows if low.height_m < _RESTS_M]
     return are_wheels.count(True) > 2 and are_wheels.count(False) <= 1

@@ -10,7 +10,7 @@ from img_recog.model import PLANE, AttachedFrame, Friction, Link, Model, Shape, 
 from img_recog.simulation.physics import (build, crowding, friction, gears, standing, stiffness,
                                           tires)
 from img_recog.simulation.physics.body import Body
-from img_recog.simulation.physics.client import all_or_nothing
+from img_recog.simulation.physics.client import all_or_nothing, client_argument
 from img_recog.simulation.physics.directions import Directions
 from img_recog.simulation.physics.forces import Forces
 from img_recog.simulation.physics.framed_body import FramedBody
@@ -20,6 +20,7 @@ from img_recog.simulation.physics.sleeping import Sleeping
 from img_recog.simulation.physics.solids import Solids
 from img_recog.simulation.simulation_settings import PhysicsSettings
 
+_UPDATE_STEPS = 10      # between two updates of friction and contacts
 # Gazebo's ground_plane, as it is included without a pose
 FLOOR = Tree('ground_plane', Model('ground_plane', (
     Link('link', solids=(Solid(Shape(PLANE, (100.0, 100.0)), friction=Friction(100.0, 50.0)),)),),
@@ -47,6 +48,7 @@ class World:
         SimulationError.
         """
         self.physics_client_id, self.step_s = physics_client_id, settings.step_s
+        self.client = client_argument(physics_client_id)
         self.solids, self._meeting = Solids(physics_client_id), Meeting(physics_client_id)
         self._forces: Dict[int, Forces] = {}
         self._gears: Dict[int, List[int]] = {}
@@ -56,16 +58,15 @@ class World:
         self.file, self.revision = file._replace(trees=()), 0
         self.bodies: List[FramedBody] = []
         self.lifted: Dict[str, float] = {}
-        pybullet.setTimeStep(settings.step_s, physicsClientId=physics_client_id)
+        pybullet.setTimeStep(settings.step_s, **self.client)
         self.set_gravity(file.gravity)
         # Contacts in a fixed order, so that equal commands give equal trajectories; and each group
         # of bodies that touch by itself, as ODE does, which makes 60 crates three times as fast.
         pybullet.setPhysicsEngineParameter(
-            deterministicOverlappingPairs=1, minimumSolverIslandSize=1,
-            physicsClientId=physics_client_id)
+            deterministicOverlappingPairs=1, minimumSolverIslandSize=1, **self.client)
         stiffness.set_up(physics_client_id, settings.step_s)
         self._pairs = friction.Pairs(physics_client_id, self._meeting.forget_contacts_of)
-        self._pairs_revision = -1
+        self._pairs_revision, self._steps = -1, 0
         self._is_at_start = True
         self.floor: Optional[FramedBody] = None
         if file.has_floor:
@@ -121,7 +122,7 @@ class World:
 
     def set_gravity(self, gravity: Tuple[float, ...]) -> None:
         """Let another gravity (3,) act from the next step on, in m/s2."""
-        pybullet.setGravity(*gravity, physicsClientId=self.physics_client_id)
+        pybullet.setGravity(*gravity, **self.client)
         self.file = self.file._replace(gravity=gravity)
         for forces in self._forces.values():
             forces.gravity = gravity
@@ -186,7 +187,7 @@ class World:
     def unload(self, body: Body) -> None:
         """Remove a body that is not one of `bodies`, a robot."""
         self._let_go(body)
-        pybullet.removeBody(body.body_id, physicsClientId=self.physics_client_id)
+        pybullet.removeBody(body.body_id, **self.client)
         self.notify_changed()
 
     def remove(self, bodies: Sequence[Body]) -> None:
@@ -194,7 +195,7 @@ class World:
         kept = [number for number, body in enumerate(self.bodies) if body not in bodies]
         for body in bodies:
             self._let_go(body)
-            pybullet.removeBody(body.body_id, physicsClientId=self.physics_client_id)
+            pybullet.removeBody(body.body_id, **self.client)
         self.bodies = [self.bodies[number] for number in kept]
         self.file = self.file._replace(trees=tuple(self.file.trees[number] for number in kept))
         self.notify_changed()
@@ -207,7 +208,7 @@ class World:
         for body in bodies:
             held = [value[0] for value in body.joint_values()] if freeze else ()
             self._let_go(body)
-            pybullet.removeBody(body.body_id, physicsClientId=self.physics_client_id)
+            pybullet.removeBody(body.body_id, **self.client)
             # PyBullet gives the number that was free last
             build.load(body.loaded.held_at(dict(zip(body.joints, held))), self.physics_client_id,
                        body.fixed or freeze, problems=Problems(), exact_hulls=body.exact_hulls)
@@ -222,34 +223,38 @@ class World:
     def step(self, count: int = 1) -> None:
         """Advance the physics by a number of steps."""
         if self._pairs_revision != self.revision:
-            self._pairs_revision = self.revision
+            self._pairs_revision, self._steps = self.revision, 0
             self._pairs.refresh()
         if self._is_at_start:
             self._is_at_start = False
             self._meeting.forget_contacts()
         # local names: this is the innermost loop
-        step, physics_client_id = pybullet.stepSimulation, self.physics_client_id
+        step, client = pybullet.stepSimulation, self.client
         acting = [forces.apply for forces in self._forces.values()]
         if self.pushes:
             acting.append(self.pushes.apply)
-        if self._pairs.needs_updates:
-            acting.append(self._pairs.update)
-        acting += [directions.update for directions in self._directions.values()]
-        acting += [landing.update for landing in self._landings.values()]
+        updates = [self._pairs.update] if self._pairs.needs_updates else []
+        updates += [directions.update for directions in self._directions.values()]
+        updates += [landing.update for landing in self._landings.values()]
         while count > 0:
             steps = count
             if self.sleeping:
                 self.pushes.delay(self.sleeping.wake(self.pushes.bodies))
                 steps = self.sleeping.before_steps(steps)
-            for _ in range(steps):
+            for number in range(self._steps, self._steps + steps):
                 for act in acting:
                     act()
-                step(physicsClientId=physics_client_id)
+                # also in each of the first steps, in which things come to rest on others
+                if number < _UPDATE_STEPS or number % _UPDATE_STEPS == 0:
+                    for update in updates:
+                        update()
+                step(**client)
+            self._steps += steps
             count -= steps
 
     def close(self) -> None:
         """End the physics client; nothing of it can be used any more."""
-        pybullet.disconnect(physicsClientId=self.physics_client_id)
+        pybullet.disconnect(**self.client)
 
     def reset(self) -> None:
         """Move all bodies back to where they were when they were added, at rest."""
@@ -258,11 +263,9 @@ class World:
         for body in self.bodies:
             body.reset()
         self._pairs.reset()
-        for directions in self._directions.values():
-            directions.reset()
         for landing in self._landings.values():
             landing.reset()
-        self._is_at_start = True
+        self._is_at_start, self._steps = True, 0
 
     def notify_changed(self) -> None:
         """Call after a body was added or removed."""

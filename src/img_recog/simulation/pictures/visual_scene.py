@@ -6,7 +6,6 @@ import pybullet
 
 from img_recog.model import Visual, VisualScene
 from img_recog.simulation.physics.body import Body
-from img_recog.simulation.physics.client import link_indices
 from img_recog.simulation.pictures.scene import Scene
 from img_recog.simulation.simulator import Simulator
 
@@ -43,8 +42,7 @@ class Parts:
 
     def numbers(self) -> List[Dict[str, int]]:
         """Return the numbers of the links of each body, by name."""
-        return [{name: number for number, name in enumerate(
-            link_indices(body.body_id, body.physics_client_id), rows.start)}
+        return [{name: number for number, name in enumerate(body.link_indices, rows.start)}
                 for body, rows in zip(self._bodies, self._rows)]
 
 
@@ -71,5 +69,5 @@ def _poses(body: Body) -> List[Tuple[float, ...]]:
     pose = body.pose()
     states = pybullet.getLinkStates(
         body.body_id, body.links[1:], computeForwardKinematics=True,
-        physicsClientId=body.physics_client_id) if len(body.links) > 1 else ()
+        **body.client) if len(body.links) > 1 else ()
     return [(*pose.position, *pose.orientation)] + [(*state[4], *state[5]) for state in states]

@@ -99,7 +99,7 @@ class RaySensor(Sensor):
             hits = [hit for first in range(0, len(rays), _BATCH) for hit in pybullet.rayTestBatch(
                 starts[first:first + _BATCH].tolist(),
                 ends[rays[first:first + _BATCH]].tolist(), numThreads=0,
-                physicsClientId=self._robot.physics_client_id)]
+                **self._robot.client)]
             bodies = np.array([hit[0] for hit in hits])
             passed[rays] += (longest - passed[rays]) * [hit[2] for hit in hits]
             others = rays[(bodies >= 0) & (bodies != self._robot.body_id)]
