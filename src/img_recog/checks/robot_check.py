@@ -15,7 +15,7 @@ from img_recog.formats.markup import MarkupError, read_bytes
 from img_recog.formats.world_file import EMPTY
 from img_recog.formats.yaml_text import load_yaml
 from img_recog.loading import assemble
-from img_recog.simulation.physics import wheels
+from img_recog.simulation import wheels
 from img_recog.simulation.robot_spec import RobotSpec, refused
 from img_recog.simulation.simulation_settings import PhysicsSettings
 from img_recog.simulation.simulator import Simulator

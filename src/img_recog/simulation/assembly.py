@@ -11,7 +11,8 @@ from img_recog.formats.problems import Problems
 from img_recog.formats.world_file import WorldFile
 from img_recog.simulation import places, robot_spec
 from img_recog.simulation.carrier import Carrier
-from img_recog.simulation.physics import standing, wheels
+from img_recog.simulation import wheels
+from img_recog.simulation.physics import standing
 from img_recog.simulation.physics.client import all_or_nothing, connect
 from img_recog.simulation.physics.world import World
 from img_recog.simulation.pictures.scene import Scene, scene_of

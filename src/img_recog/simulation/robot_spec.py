@@ -15,9 +15,9 @@ from img_recog.formats.meshes.mesh_file import READABLE
 from img_recog.model import DIFFERENTIAL, PLANAR, Model, Tree
 from img_recog.settings import SettingError, from_mapping
 from img_recog.simulation.names import Names
-from img_recog.simulation.physics import wheels
+from img_recog.simulation import wheels
 from img_recog.simulation.physics.differential_drive import DifferentialDrive
-from img_recog.simulation.physics.drive import Drive, NoDrive
+from img_recog.simulation.physics.drive import Drive
 from img_recog.simulation.physics.planar_drive import PlanarDrive
 from img_recog.simulation.sensors import in_files
 from img_recog.simulation.sensors.sensor import RobotSensor, SensorKind, numbered, sensors_of
@@ -67,7 +67,7 @@ class RobotSpec(NamedTuple):
     def new_drive(self) -> Drive:
         """Return a drive with its settings; SimulationError when those cannot be used."""
         drive = self.settings.drive
-        return _DRIVES[drive.drive](drive) if drive.is_there else NoDrive(drive)
+        return _DRIVES[drive.drive](drive) if drive.is_there else Drive(drive)
 
     def with_sensor(self, kind: SensorKind, settings: Any) -> 'RobotSpec':
         """Return the robot with one more sensor of a kind, which is in no file."""

@@ -11,7 +11,7 @@ import pybullet
 from img_recog import rotations
 from img_recog.model import Joint
 from img_recog.rotations import Quaternion, Transform
-from img_recog.simulation.physics.client import client_argument, link_indices
+from img_recog.simulation.physics.client import center, client_argument, link_indices
 
 Vector = Sequence[float]
 
@@ -184,10 +184,7 @@ class Body:
         Args:
             part: PyBullet's index of a link, -1 for the base.
         """
-        if part == -1:
-            return pybullet.getBasePositionAndOrientation(self.body_id, **self.client)
-        return pybullet.getLinkState(self.body_id, part, computeForwardKinematics=1,
-                                     **self.client)[:2]
+        return center(self.body_id, part, self.physics_client_id)
 
     def velocity(self, part: int = -1) -> Tuple[Vector, Vector]:
         """Return the velocity of the center of mass of a part: (3,) m/s and (3,) rad/s.

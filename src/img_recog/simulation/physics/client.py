@@ -1,10 +1,13 @@
 """PyBullet's physics clients, and what is in them."""
 import contextlib
-from typing import Dict, Iterator, Set, Tuple
+from typing import Dict, Iterator, Sequence, Set, Tuple
 
 import pybullet
 
 from img_recog.errors import SimulationError
+from img_recog.rotations import Quaternion
+
+Pose = Tuple[Sequence[float], Quaternion]        # position in m and orientation
 
 
 def connect(mode: int = pybullet.DIRECT, options: str = '') -> int:
@@ -49,6 +52,20 @@ def link_indices(body_id: int, physics_client_id: int) -> Dict[str, int]:
     for index in range(pybullet.getNumJoints(body_id, **client)):
         indices[pybullet.getJointInfo(body_id, index, **client)[12].decode()] = index
     return indices
+
+
+def center(body_id: int, link: int, physics_client_id: int) -> Pose:
+    """Return the pose of the center of mass of a link in the world.
+
+    Args:
+        body_id: PyBullet's number of the body.
+        link: Its index of the link, -1 for the base.
+        physics_client_id: Its number of the physics client.
+    """
+    client = client_argument(physics_client_id)
+    if link == -1:
+        return pybullet.getBasePositionAndOrientation(body_id, **client)
+    return pybullet.getLinkState(body_id, link, computeForwardKinematics=1, **client)[:2]
 
 
 def links_of_base(body_id: int, physics_client_id: int) -> Set[int]:

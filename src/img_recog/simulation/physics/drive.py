@@ -1,5 +1,4 @@
 """What all drives of a robot have in common: the command that holds, its limits and its end."""
-import abc
 import math
 from typing import NamedTuple, Tuple
 
@@ -25,14 +24,16 @@ class Velocity(NamedTuple):
 STAND = Velocity(0.0, 0.0, 0.0)
 
 
-class Drive(abc.ABC):
+class Drive:
     """Turns commands into what moves a robot, once a drive period.
+
+    This class itself moves nothing: it is the drive of a robot that does not drive.
 
     motors: the joints that it drives. timed_out: whether `cmd_vel_timeout` has ended the last
     command, which was not a stop.
     """
 
-    def __init__(self, settings: DriveSettings, motors: Motors):
+    def __init__(self, settings: DriveSettings, motors: Motors = Motors((), 0.0)):
         self.motors = motors
         self._period_s = settings.drive_period_s
         linear = _Range.of(settings.max_linear_velocity, settings.min_linear_velocity)
@@ -96,34 +97,15 @@ class Drive(abc.ABC):
                           for wanted, now, given, kept in zip(self._command, before, change,
                                                               allowed)))
 
-    @abc.abstractmethod
     def move(self, robot: SimulatedRobot, velocity: Velocity) -> None:
         """Move the robot for a drive period."""
 
-    @abc.abstractmethod
     def encoders(self, robot: SimulatedRobot) -> Tuple[float, ...]:
         """Return what the drive counts of the way; `travelled` compares two of them."""
-
-    @abc.abstractmethod
-    def travelled(self, before: Tuple[float, ...], now: Tuple[float, ...]) -> Velocity:
-        """Return the way between two readings: m forward, m to the left, and rad to the left."""
-
-
-class NoDrive(Drive):
-    """Of a robot that does not drive: nothing happens on a command."""
-
-    def __init__(self, settings: DriveSettings):
-        super().__init__(settings, Motors((), 0.0))
-
-    def move(self, robot: SimulatedRobot, velocity: Velocity) -> None:
-        """Do nothing."""
-
-    def encoders(self, robot: SimulatedRobot) -> Tuple[float, ...]:
-        """Return nothing."""
         return ()
 
     def travelled(self, before: Tuple[float, ...], now: Tuple[float, ...]) -> Velocity:
-        """Return no way."""
+        """Return the way between two readings: m forward, m to the left, and rad to the left."""
         return STAND
 
 

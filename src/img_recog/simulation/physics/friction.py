@@ -29,13 +29,7 @@ _Link = Tuple[int, int]         # PyBullet's numbers of a body and of a link of 
 
 
 def set_dynamics(body: FramedBody) -> None:
-    """Give a body its friction, and release its joints."""
-    apply(body)
-    body.release(body.model.joints, body.driven)
-
-
-def apply(body: FramedBody) -> None:
-    """Give the links of a body the friction of its model."""
+    """Give the links of a body the friction of its model, and release its joints."""
     given = {link.name: link.surface for link in body.model.links}
     never_move = links_of_base(body.body_id, body.physics_client_id) if body.fixed else ()
     for name, link in body.link_indices.items():
@@ -46,6 +40,7 @@ def apply(body: FramedBody) -> None:
             anisotropicFriction=_scales(
                 body, link, friction.at_most(FLOOR_FRICTION) if link in never_move
                 else friction), **body.client)
+    body.release(body.model.joints, body.driven)
 
 
 def _scales(body: Body, link: int, friction: Friction) -> List[float]:

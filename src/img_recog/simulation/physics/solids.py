@@ -3,7 +3,7 @@
 PyBullet tests each ray against each shape that it may hit by an iteration, which ends within a
 millimetre and takes five times as long for a scan. Here the distances are those of the geometry.
 """
-from typing import Any, Dict, List, NamedTuple, Sequence, Set, Tuple
+from typing import Any, Dict, List, NamedTuple, Optional, Sequence, Set, Tuple
 
 import numpy as np
 import pybullet
@@ -11,7 +11,7 @@ import pybullet
 from img_recog import rotations
 from img_recog.rotations import Quaternion
 from img_recog.simulation.physics.body import Vector
-from img_recog.simulation.physics.client import body_ids, link_indices
+from img_recog.simulation.physics.client import Pose, body_ids, center, link_indices
 from img_recog.simulation.physics.tires import TREAD
 
 _BOX, _CYLINDER, _SPHERE, _PLANE = (pybullet.GEOM_BOX, pybullet.GEOM_CYLINDER,
@@ -19,7 +19,7 @@ _BOX, _CYLINDER, _SPHERE, _PLANE = (pybullet.GEOM_BOX, pybullet.GEOM_CYLINDER,
 _UP = (0.0, 0.0, 1.0)           # the normal of a floor
 _TINY = 1e-300                  # in place of 0 in a divisor: the quotient is large but a number
 _Part = Tuple[int, int]         # body and link, -1 for the base
-_Poses = Dict[_Part, Tuple[Vector, Quaternion]]
+_Poses = Dict[_Part, Pose]
 
 
 class Bundles(NamedTuple):
@@ -58,8 +58,7 @@ class Solids:
     def __init__(self, physics_client_id: int):
         self._client = physics_client_id
         self.others: Set[int] = set()
-        self._bodies: Tuple[int, ...] = ()
-        self._is_known = False
+        self._bodies: Optional[Tuple[int, ...]] = None
         self._shapes: List[_Shape] = []
         self._are_all = True
         self._poses: _Poses = {}
@@ -67,7 +66,7 @@ class Solids:
 
     def forget(self) -> None:
         """Call after a body was added or removed: PyBullet uses the ids of bodies again."""
-        self._is_known = False
+        self._bodies = None
 
     def distances(self, bundles: 'Bundles') -> Tuple[np.ndarray, bool]:
         """Return how far each ray goes until it hits a box, cylinder, sphere or floor, (bundles,
@@ -83,8 +82,8 @@ class Solids:
         """Take note of bodies that were added, removed or moved."""
         client = self._client
         bodies = body_ids(client)
-        if bodies != self._bodies or not self._is_known:
-            self._bodies, self._is_known = bodies, True
+        if bodies != self._bodies:
+            self._bodies = bodies
             shapes = _shapes(bodies, client)
             self._shapes = [shape for shape in shapes if _is_known(shape)]
             self._are_all = len(self._shapes) == len(shapes) and not self.others & set(bodies)
@@ -92,7 +91,7 @@ class Solids:
             for kind in sorted({shape.kind for shape in self._shapes}):
                 self._groups[kind] = _GROUPS[kind](
                     [shape for shape in self._shapes if shape.kind == kind])
-        poses = {part: _pose(part, client) for part in {shape.part for shape in self._shapes}}
+        poses = {part: center(*part, client) for part in {shape.part for shape in self._shapes}}
         moved = {part: pose for part, pose in poses.items() if self._poses.get(part) != pose}
         self._poses = poses
         for group in self._groups.values():
@@ -110,15 +109,6 @@ def _shapes(bodies: Sequence[int], client: int) -> List[_Shape]:
 
 def _is_known(shape: _Shape) -> bool:
     return shape.kind in _GROUPS and (shape.kind != _PLANE or shape.size == _UP)
-
-
-def _pose(part: _Part, client: int) -> Tuple[Vector, Quaternion]:
-    """Return where the center of mass of a part is in the world."""
-    body, link = part
-    if link == -1:
-        return pybullet.getBasePositionAndOrientation(body, physicsClientId=client)
-    return pybullet.getLinkState(body, link, computeForwardKinematics=1,
-                                 physicsClientId=client)[:2]
 
 
 class _Group:

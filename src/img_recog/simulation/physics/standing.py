@@ -42,16 +42,11 @@ def lift(body: Body, planes: Sequence[Body], others: Sequence[Body] = ()) -> Lif
             result = Lift(result.height_m + height_m, plane.name)
             body.raise_by(height_m)
     near = _within_reach(body, others)
-    if is_in(body, near):
+    if any(depth(body, other) > MAX_DEPTH_M for other in near):
         rise = _rise(body, near)
         if rise.onto:
             result = Lift(result.height_m + rise.height_m, rise.onto)
     return result
-
-
-def is_in(body: Body, others: Sequence[Body]) -> bool:
-    """Return whether a body is deeper in one of the others than contacts are."""
-    return any(depth(body, other) > MAX_DEPTH_M for other in others)
 
 
 def first_in_line(body: Body, upward: bool) -> Tuple[int, float]:

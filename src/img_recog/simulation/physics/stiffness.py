@@ -60,10 +60,6 @@ class Spring(NamedTuple):
     damping: float
     slows: bool = True
 
-    def scaled(self, factor: float) -> 'Spring':
-        """Return one that gives way as much under `factor` times the load."""
-        return self._replace(stiffness=self.stiffness * factor, damping=self.damping * factor)
-
 
 def set_up(physics_client_id: int, step_s: float) -> None:
     """Set how contacts are solved in a client without bodies."""
@@ -87,8 +83,7 @@ class Landing:
                 and of the link.
         """
         self._body, self._forget_contacts = body, forget_contacts
-        links = apply(body)
-        self._links = links if body.joints else []
+        self._links = apply(body)
         self._falls = False
 
     def __bool__(self) -> bool:
@@ -117,7 +112,7 @@ def apply(body: FramedBody) -> List[int]:
     """Give the contacts of a body their stiffness, and let it bounce if its file says so.
 
     Returns:
-        The links whose contacts do not slow a body down before it touches.
+        Links of a body with joints whose contacts do not slow it down before it touches.
     """
     contacts = _contacts(body)
     springs = _springs(body, contacts)
@@ -131,7 +126,7 @@ def apply(body: FramedBody) -> List[int]:
             # PyBullet multiplies those of two bodies, where ODE takes the lower one
             pybullet.changeDynamics(body.body_id, link, restitution=math.sqrt(contact.bounce),
                                     **body.client)
-    return [link for link, spring in springs.items() if not spring.slows]
+    return [link for link, spring in springs.items() if body.joints and not spring.slows]
 
 
 def _springs(body: FramedBody, contacts: Mapping[int, Contact]) -> Dict[int, Spring]:
@@ -160,8 +155,8 @@ def _springs(body: FramedBody, contacts: Mapping[int, Contact]) -> Dict[int, Spr
             continue
         spring = _as_moved(contact, mass, count, body)
         if spring.stiffness < limit:
-            found[link] = spring.scaled(count / sum(here for _, here in points)
-                                        / (1 + (link in shared)))
+            factor = count / sum(here for _, here in points) / (1 + (link in shared))
+            found[link] = Spring(spring.stiffness * factor, spring.damping * factor)
         elif contact.throws and not body.joints:
             found[link] = (Spring(*_BOUNCING) if contact.bounce > _LITTLE
                            else spring)._replace(slows=False)

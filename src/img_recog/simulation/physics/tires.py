@@ -17,7 +17,7 @@ import numpy as np
 from img_recog.model import (ALL_BITS, CONTINUOUS, CYLINDER, FIXED, MESH, PART, REVOLUTE, SPHERE,
                              Joint, Link, Model, Shape, Solid)
 from img_recog.rotations import IDENTITY, Transform
-from img_recog.simulation.physics.wheels import mesh_outline, pose_in_root
+from img_recog.simulation.wheels import mesh_outline, pose_in_root
 
 TREAD = '::tread_'      # in the name of a link with a tread, between the wheel's name and a number
 ACROSS = '_across'      # at the end of the second one, if there is a direction of friction

@@ -1,5 +1,5 @@
 """The physics client, and everything in it except robots."""
-from typing import Dict, Iterable, List, Optional, Sequence, Tuple
+from typing import Dict, Iterable, List, NamedTuple, Optional, Sequence, Tuple
 
 import pybullet
 
@@ -27,6 +27,15 @@ FLOOR = Tree('ground_plane', Model('ground_plane', (
     frames={'link': AttachedFrame('link')}), fixed=True)
 
 
+class _Adopted(NamedTuple):
+    """What makes a body act like in Gazebo; gears: PyBullet's numbers of their constraints."""
+
+    landing: stiffness.Landing
+    gears: List[int]
+    forces: Forces
+    directions: Directions
+
+
 class World:
     """A physics client with gravity and the bodies of a world file.
 
@@ -50,20 +59,17 @@ class World:
         self.physics_client_id, self.step_s = physics_client_id, settings.step_s
         self.client = client_argument(physics_client_id)
         self.solids, self._meeting = Solids(physics_client_id), Meeting(physics_client_id)
-        self._forces: Dict[int, Forces] = {}
-        self._gears: Dict[int, List[int]] = {}
-        self._directions: Dict[int, Directions] = {}
-        self._landings: Dict[int, stiffness.Landing] = {}
+        self._adopted: Dict[int, _Adopted] = {}
         self.pushes, self.sleeping = Pushes(), Sleeping(physics_client_id, settings.step_s)
         self.file, self.revision = file._replace(trees=()), 0
         self.bodies: List[FramedBody] = []
         self.lifted: Dict[str, float] = {}
-        pybullet.setTimeStep(settings.step_s, **self.client)
         self.set_gravity(file.gravity)
         # Contacts in a fixed order, so that equal commands give equal trajectories; and each group
         # of bodies that touch by itself, as ODE does, which makes 60 crates three times as fast.
         pybullet.setPhysicsEngineParameter(
-            deterministicOverlappingPairs=1, minimumSolverIslandSize=1, **self.client)
+            fixedTimeStep=settings.step_s, deterministicOverlappingPairs=1,
+            minimumSolverIslandSize=1, **self.client)
         stiffness.set_up(physics_client_id, settings.step_s)
         self._pairs = friction.Pairs(physics_client_id, self._meeting.forget_contacts_of)
         self._pairs_revision, self._steps = -1, 0
@@ -92,7 +98,7 @@ class World:
                 self.crowded = crowding.check([*self.bodies, *(body for _, body in loaded)])
             except SimulationError:
                 for _, body in loaded:
-                    self._let_go(body)
+                    self._remove(body)
                 raise
         planes = self._planes(body for _, body in loaded)
         for tree, body in loaded:
@@ -109,7 +115,7 @@ class World:
                 if lifted.onto:
                     body.keep_as_start()
                     self.lifted[body.name] = lifted.height_m
-            self.sleeping.add(body, body.body_id in self._forces)
+            self.sleeping.add(body, bool(self._adopted[body.body_id].forces))
             self.sleeping.wake_near(body)
         self.bodies += [body for _, body in loaded]
         self.file = self.file._replace(trees=(*self.file.trees, *(tree for tree, _ in loaded)))
@@ -124,8 +130,8 @@ class World:
         """Let another gravity (3,) act from the next step on, in m/s2."""
         pybullet.setGravity(*gravity, **self.client)
         self.file = self.file._replace(gravity=gravity)
-        for forces in self._forces.values():
-            forces.gravity = gravity
+        for adopted in self._adopted.values():
+            adopted.forces.gravity = gravity
         self.sleeping.wake()
 
     def lift(self, body: Body) -> standing.Lift:
@@ -161,41 +167,31 @@ class World:
         lines: List[str] = []
         for body in bodies:
             # before anything looks for contacts
-            landing = stiffness.Landing(body, self._meeting.forget_contacts_of)
-            if landing:
-                self._landings[body.body_id] = landing
-            self._gears[body.body_id] = gears.add(body)
-            forces = Forces(body, self.step_s, self.file.gravity)
-            lines += ['{}: {}'.format(body.name, line) for line in forces.warnings]
-            if forces:
-                self._forces[body.body_id] = forces
-            directions = Directions(body)
-            if directions:
-                self._directions[body.body_id] = directions
+            adopted = self._adopted[body.body_id] = _Adopted(
+                stiffness.Landing(body, self._meeting.forget_contacts_of), gears.add(body),
+                Forces(body, self.step_s, self.file.gravity), Directions(body))
+            lines += ['{}: {}'.format(body.name, line) for line in adopted.forces.warnings]
         return lines
 
-    def _let_go(self, body: Body) -> None:
-        """Undo `adopt`; call it before the body is removed."""
+    def _remove(self, body: Body) -> None:
         self.sleeping.forget(body)
         self._meeting.forget(body)
-        self._forces.pop(body.body_id, None)
-        self._directions.pop(body.body_id, None)
-        self._landings.pop(body.body_id, None)
-        gears.remove(self._gears.pop(body.body_id, ()), self.physics_client_id)
+        adopted = self._adopted.pop(body.body_id, None)
+        if adopted is not None:         # the body does act like in Gazebo, see load_again
+            gears.remove(adopted.gears, self.physics_client_id)
         self.pushes.forget(body)
+        pybullet.removeBody(body.body_id, **self.client)
 
     def unload(self, body: Body) -> None:
         """Remove a body that is not one of `bodies`, a robot."""
-        self._let_go(body)
-        pybullet.removeBody(body.body_id, **self.client)
+        self._remove(body)
         self.notify_changed()
 
     def remove(self, bodies: Sequence[Body]) -> None:
         """Remove some of `bodies` from the world."""
         kept = [number for number, body in enumerate(self.bodies) if body not in bodies]
         for body in bodies:
-            self._let_go(body)
-            pybullet.removeBody(body.body_id, **self.client)
+            self._remove(body)
         self.bodies = [self.bodies[number] for number in kept]
         self.file = self.file._replace(trees=tuple(self.file.trees[number] for number in kept))
         self.notify_changed()
@@ -207,8 +203,7 @@ class World:
         """
         for body in bodies:
             held = [value[0] for value in body.joint_values()] if freeze else ()
-            self._let_go(body)
-            pybullet.removeBody(body.body_id, **self.client)
+            self._remove(body)
             # PyBullet gives the number that was free last
             build.load(body.loaded.held_at(dict(zip(body.joints, held))), self.physics_client_id,
                        body.fixed or freeze, problems=Problems(), exact_hulls=body.exact_hulls)
@@ -230,12 +225,13 @@ class World:
             self._meeting.forget_contacts()
         # local names: this is the innermost loop
         step, client = pybullet.stepSimulation, self.client
-        acting = [forces.apply for forces in self._forces.values()]
+        adopted = self._adopted.values()
+        acting = [each.forces.apply for each in adopted if each.forces]
         if self.pushes:
             acting.append(self.pushes.apply)
         updates = [self._pairs.update] if self._pairs.needs_updates else []
-        updates += [directions.update for directions in self._directions.values()]
-        updates += [landing.update for landing in self._landings.values()]
+        updates += [each.directions.update for each in adopted if each.directions]
+        updates += [each.landing.update for each in adopted if each.landing]
         while count > 0:
             steps = count
             if self.sleeping:
@@ -263,8 +259,8 @@ class World:
         for body in self.bodies:
             body.reset()
         self._pairs.reset()
-        for landing in self._landings.values():
-            landing.reset()
+        for adopted in self._adopted.values():
+            adopted.landing.reset()
         self._is_at_start, self._steps = True, 0
 
     def notify_changed(self) -> None:

@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 
 from img_recog.model import BOX, Shape, Solid
-from img_recog.simulation.physics import wheels
-from img_recog.simulation.physics.wheels import Wheels
+from img_recog.simulation import wheels
 from img_recog.simulation.simulation_settings import DriveSettings
+from img_recog.simulation.wheels import Wheels
 from img_recog_helpers import wheeled
 from img_recog_helpers.parsed import given, lumped
 from img_recog_helpers.robots import assemble, burger, burgers_drive, read
