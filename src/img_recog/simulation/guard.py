@@ -1,10 +1,11 @@
 """Keeps what the physics throws to infinity away from the rest of the world."""
 import itertools
 import math
-from typing import Callable, Dict, Iterable, List, Sequence
+from typing import Callable, Dict, Iterable, List, Sequence, Set
 
 from img_recog.simulation.physics.body import BodyState
 from img_recog.simulation.physics.framed_body import FramedBody
+from img_recog.simulation.physics.sleeping import IDLE_S
 from img_recog.simulation.physics.world import World
 from img_recog.simulation.vehicle import Vehicle
 
@@ -32,6 +33,7 @@ class Guard:
         self._world, self._vehicles, self._warn = world, vehicles, warn
         self._states: Dict[FramedBody, BodyState] = {}      # of all that moves
         self._moving: List[FramedBody] = []                 # those of the states
+        self._asleep: Set[int] = set()                      # those that slept at the last states
         self._saved_at = self._looked_at = self._next = 0
         self._revision = -1
         self._frozen: Dict[FramedBody, bool] = {}           # whether each one was fixed before
@@ -52,7 +54,13 @@ class Guard:
             return
         self._looked_at = steps
         if steps - self._saved_at >= _SAVED_STEPS:
-            states = {body: body.state() for body in self._states}
+            asleep = self._world.sleeping.asleep
+            # a body that slept at both times has not moved: it falls asleep only after IDLE_S
+            still = (asleep & self._asleep
+                     if _SAVED_STEPS * self._world.step_s < IDLE_S else set())
+            states = {body: state if body.body_id in still else body.state()
+                      for body, state in self._states.items()}
+            self._asleep = asleep
             is_well = all(map(_is_small, states.values()))
             if is_well:
                 self._states, self._saved_at = states, steps
@@ -92,7 +100,7 @@ class Guard:
     def _save(self, steps: int) -> None:
         self._states = {body: body.state() for body in itertools.chain(*self._models)
                         if body not in self._frozen and _moves(body)}
-        self._moving = list(self._states)
+        self._moving, self._asleep = list(self._states), set()
         self._saved_at = self._looked_at = steps
 
     def _mend(self, steps: int) -> None:

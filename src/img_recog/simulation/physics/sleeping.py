@@ -16,12 +16,12 @@ from img_recog.simulation.physics.body import Body
 from img_recog.simulation.physics.framed_body import FramedBody
 
 # the rule of Gazebo 11 for ODE, see ODEPhysics::Load and dInternalHandleAutoDisabling
-_IDLE_S, _IDLE_SPEED = 1.0, 0.1         # m/s and rad/s
+IDLE_S, _IDLE_SPEED = 1.0, 0.1          # m/s and rad/s
 _NEAR_M = 0.05          # PyBullet enlarges the boxes around bodies by this (gDbvtMargin)
 _PERIOD_S = 0.05        # between two checks
 _PERIODS_ASLEEP = 10    # between two checks whether PyBullet has woken a body
 # how often a body was found slow: from _IDLE on it can stop, which takes PyBullet a step
-_IDLE = 1 + round(_IDLE_S / _PERIOD_S)
+_IDLE = 1 + round(IDLE_S / _PERIOD_S)
 _STOPS, _ASLEEP = _IDLE + 1, _IDLE + 2
 # the sum of squared velocities above which PyBullet wakes a body: while it stops, and asleep
 _THRESHOLDS = {_STOPS: 2 * _IDLE_SPEED ** 2, _ASLEEP: 1e-12}
