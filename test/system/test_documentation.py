@@ -43,6 +43,17 @@ def test_what_is_made_from_the_code_in_a_page_is_up_to_date(path, text):
     expected.check(path, text)
 
 
+@pytest.mark.parametrize('path', [path for path in paths() if 'rosrun image_view' in read(path)])
+def test_each_window_of_a_page_has_a_name_of_its_own(path):
+    """image_view has a fixed name since 1.14: a second one ends the first, or that of the demo."""
+    of_article = [row[1].strip('`') for table in tables(read(path)) for row in table.rows
+                  if row[1].startswith('`rosrun image_view')]
+    windows = [line for line in code(read(path)) if 'rosrun image_view image_view image' in line]
+    names = [line.partition(' __name:=')[2] for line in windows if line not in of_article]
+    assert names and all(names) and len(set(names)) == len(names)
+    assert not {'image_view', 'image_view_blue', 'image_view_red'} & set(names)
+
+
 @pytest.mark.parametrize('old, new', (
     ('| `create_suspended` | `false` |', '| `create_suspended` | `true` |'),
     ('| `640`, `480` | a whole number from 1 to', '| `640` | a whole number from 2 to'),

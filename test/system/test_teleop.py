@@ -1,5 +1,6 @@
 """The keyboard teleop in a terminal, while the demo runs another one without a terminal."""
 import fcntl
+import functools
 import os
 import pty
 import termios
@@ -13,14 +14,15 @@ NAME = '/turtlebot3_teleop_keyboard'
 class Terminal:
     """A pseudo terminal with the teleop in its foreground, as a user would start it."""
 
-    def __init__(self, ros, *arguments):
+    def __init__(self, ros, *arguments, start=None):
+        """start: of Ros, a function that starts another program with the teleop."""
         descriptor, terminal = pty.openpty()
         self._file = os.fdopen(descriptor, 'wb', buffering=0)
-        process = ros.start_node('teleop_key.py', *arguments, stdin=terminal,
-                                 start_new_session=True,
-                                 preexec_fn=lambda: fcntl.ioctl(0, termios.TIOCSCTTY, 0))
+        self.process = (start or functools.partial(ros.start_node, 'teleop_key.py'))(
+            *arguments, stdin=terminal, start_new_session=True,
+            preexec_fn=lambda: fcntl.ioctl(0, termios.TIOCSCTTY, 0))
         os.close(terminal)
-        self.type, self.wait = self._file.write, process.wait
+        self.type, self.wait = self._file.write, self.process.wait
         self.hang_up = self._file.close         # like when its window is closed
         ros.stack.callback(self.hang_up)
 
@@ -104,3 +106,14 @@ def test_in_the_namespace_of_a_robot_it_drives_only_that_robot(ros):
     wait_for(lambda: values(echo)[-1] == 0.01, lambda: echo.rows[-9:])
     published = dict(ros.master().getSystemState('/test')[2][0])
     assert '/cmd_vel' not in published and '/tb3_1/cmd_vel' in published
+
+
+def test_the_launch_file_of_the_teleop_reads_the_keys_of_its_terminal(ros):
+    terminal = Terminal(ros, 'img_recog', 'teleop.launch', start=ros.roslaunch)
+    wait_for(lambda: not terminal.echoes(), 'the teleop to read single keys')
+    terminal.process.wait_output('w/x: faster')
+    terminal.type(b'w')
+    terminal.process.wait_output('target: linear 0.01')
+    terminal.type(b'\x03')
+    assert terminal.wait() == 0
+    assert terminal.echoes()

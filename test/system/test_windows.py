@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from roslib.packages import find_node
 
+from img_recog_helpers import pages
 from img_recog_helpers.simulator_tools import Echo, Messages, burger
 from img_recog_helpers.waiting import wait_for
 
@@ -68,6 +69,49 @@ def test_image_view_shows_the_blue_part(ros, wait_shares):
     wait_shares({'blue': ((0, 40, 180), (60, 100, 255)), 'red': ((180, 0, 30), (255, 60, 90)),
                  'wall': ((200, 195, 185), (212, 205, 195))},
                 lambda found: found['blue'] > 0.01 and found['red'] == found['wall'] == 0)
+
+
+def article_commands(path):
+    """Return the commands of this package in the table of a README, by the number of the terminal.
+
+    Terminal 3 is that without a webcam, terminal 8 that without rqt_graph.
+    """
+    table, = [each for each in pages.tables(pages.read(path))
+              if [row[0] for row in each.rows] == list('012345678')]
+    spans = [re.findall('`([^`]+)`', row[2]) for row in table.rows]
+    return [' '.join(found) if number == 3 else found[-1] for number, found in enumerate(spans)]
+
+
+def test_all_terminals_of_the_article_run_together(ros, display, tmp_path):
+    commands = article_commands('README.md')
+    assert article_commands('README.ja.md') == commands
+    commands[0] += ' -p {}'.format(ros.port)
+    commands[2] = "script -qec '{}' /dev/null".format(commands[2])       # it needs a terminal
+    terminals = []
+    for command, is_ready in zip(commands[:8], (
+            'started core service', 'simulating 1.0017 kg', 'w/x: faster', 'camera: synthetic',
+            'blue=', *['Using transport "raw"'] * 3)):
+        terminals.append(ros.start('bash', '-c', 'exec ' + command, cwd=str(tmp_path),
+                                   stdin=subprocess.PIPE))
+        terminals[-1].wait_output(is_ready)
+    terminals[2].stdin.write(b'w')
+    terminals[2].stdin.flush()
+    terminals[2].wait_output('target: linear 0.01')
+    terminals[1].wait_output('the robot drives forward')
+
+    wanted = {'/usb_cam/image_raw': {'/color_extract', '/camera_window'},
+              '/blue_image': {'/blue_window'}, '/red_image': {'/red_window'}}
+
+    def subscribers():
+        found = dict(ros.master().getSystemState('/test')[2][1])
+        return {topic: set(found.get(topic, ())) for topic in wanted}
+    wait_for(lambda: subscribers() == wanted, subscribers)
+    graph = ros.start('bash', '-c', commands[8], cwd=str(tmp_path))
+    assert graph.wait() == 0, graph.output
+    assert '/blue_window' in (tmp_path / 'graph.svg').read_text()
+    # a window whose name another one takes ends
+    assert [each.output for each in terminals if not each.is_running()] == []
+    assert subscribers() == wanted
 
 
 USB_CAM_LAUNCH = """<launch>

@@ -1,6 +1,7 @@
 """The package in an ordinary catkin workspace: devel space and install space."""
 import os
 import pathlib
+import shutil
 import subprocess
 
 from img_recog_helpers.browser import status_of
@@ -26,11 +27,17 @@ def modules(package):
 def test_both_spaces_have_the_package_and_the_install_space_runs_the_demo(ros, tmp_path):
     workspace = tmp_path / 'catkin_ws'
     (workspace / 'src').mkdir(parents=True)
-    (workspace / 'src' / 'img_recog').symlink_to(ROOT)
     env = {name: value for name, value in ros.env.items() if name not in FOREIGN}
     env['PATH'] = '/usr/sbin:/usr/bin:/sbin:/bin'
     noetic = '/opt/ros/noetic/setup.bash'
     before = 'source {}; '.format(noetic) if os.path.exists(noetic) else ''
+    # the package of the article, and what doc/install.md says to do with it
+    bash('{}cd {}/src && catkin_create_pkg img_recog rospy std_msgs; cd .. && catkin_make'.format(
+        before, workspace), env)
+    (workspace / 'src' / 'img_recog').rename(tmp_path / 'img_recog_of_the_article')
+    for name in 'build', 'devel':
+        shutil.rmtree(str(workspace / name))
+    (workspace / 'src' / 'img_recog').symlink_to(ROOT)
     bash('{}cd {} && catkin_make install'.format(before, workspace),
          env)
     scripts = [name for name in os.listdir(os.path.join(ROOT, 'scripts')) if name.endswith('.py')]
@@ -42,6 +49,8 @@ def test_both_spaces_have_the_package_and_the_install_space_runs_the_demo(ros, t
         found = bash(setup + 'rospack find img_recog', env).strip()
         assert found == str(workspace / {'devel': 'src', 'install': 'install/share'}[space]
                             / 'img_recog')
+        # as in the article, which goes on with roscd
+        assert bash(setup + 'roscd img_recog; pwd', env).strip() == found
         # of the programs, it starts fastest
         assert 'usage: new_package.py' in bash(
             setup + 'rosrun img_recog new_package.py --help', env)
@@ -84,6 +93,7 @@ catkin_install_python(PROGRAMS greet DESTINATION ${CATKIN_PACKAGE_BIN_DESTINATIO
 from greeter.msg import Greeting
 print(Greeting(text="hello from a program").text)
 '''}
+IN_A_SHELL = "(roscd img_recog; pwd)\n"
 ASKED = """rosrun greeter greet
 python3 -c 'from greeter.msg import Greeting; print(Greeting(text="hello from Python").text)'
 rospack find img_recog
@@ -108,10 +118,12 @@ def test_a_workspace_that_was_sourced_before_run_is_kept(tmp_path):
     (tmp_path / '.bashrc').write_text('source {}/devel/setup.bash\n'.format(other))
     sourced = 'source {}/devel/setup.bash; cd {}; '.format(workspace, ROOT)
     for shell in ('./run shell bash -e {}', './run shell <{}'):
-        (tmp_path / 'asked').write_text(ASKED)
+        # with a program, the shell of ./run shell is not the one that was sourced
+        (tmp_path / 'asked').write_text(ASKED + IN_A_SHELL * ('<' in shell))
         output = bash(sourced + shell.format(tmp_path / 'asked'), env)
         for line in ('hello from a program', 'hello from Python', ROOT):
             assert '\n{}\n'.format(line) in '\n' + output, output
+        assert output.count('\n{}\n'.format(ROOT)) == 1 + ('<' in shell), output
         assert 'usage: new_package.py' in output, output
         assert 'CMAKE_PREFIX_PATH={0}/devel:{1}/devel'.format(ROOT, workspace) in output, output
         assert '{}/devel/lib'.format(workspace) in output.rpartition('LD_LIBRARY_PATH=')[2], output

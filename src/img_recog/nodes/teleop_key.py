@@ -5,6 +5,8 @@ on shutdown; /diagnostics (diagnostic_msgs/DiagnosticArray) at 1 Hz of wall time
 nothing. Serves ~yield (std_srvs/Trigger): publishes nothing for 0.5 s. Reads ~linear_step,
 ~angular_step, ~max_linear_velocity, ~max_angular_velocity (TeleopSettings).
 """
+import os
+import sys
 import time
 
 import rospy
@@ -12,6 +14,7 @@ from diagnostic_msgs.msg import DiagnosticStatus
 from diagnostic_updater import DiagnosticStatusWrapper
 
 from img_recog.conversions import twist_msgs
+from img_recog.processes import process_tree
 from img_recog.ros import lifecycle, parameters
 from img_recog.ros.diagnostics import EventCounter, NodeDiagnostics, add_counter
 from img_recog.ros.stopping_publisher import StoppingPublisher
@@ -21,6 +24,8 @@ from img_recog.teleoperation.profile import VelocityProfile
 from img_recog.teleoperation.teleop_settings import TeleopSettings
 
 _PERIOD_S = 0.1
+# set by launch files that start more than this node; a parameter would stay for the next teleop
+_NO_KEYS = 'IMG_RECOG_NO_KEYS'
 _HELP = ('w/x: faster forward/backward, a/d: faster to the left/right, s or space: stop, '
          'Ctrl-C: quit')
 _NO_TERMINAL = ('no terminal to read keys from: publishing zeros; to drive the robot, run '
@@ -41,7 +46,8 @@ class TeleopKey:
 
     def spin(self) -> None:
         """Read keys and publish commands until the node is shut down."""
-        with Keyboard() as keyboard:
+        with Keyboard(_NO_KEYS not in os.environ
+                      and process_tree.in_foreground(sys.stdin)) as keyboard:
             self._has_terminal = keyboard.present
             rospy.loginfo(_HELP if keyboard.present else _NO_TERMINAL)
             deadline = time.monotonic()

@@ -3,7 +3,7 @@ import ctypes
 import os
 import signal
 import subprocess
-from typing import Dict, Iterable, List
+from typing import Any, Dict, Iterable, List, Union
 
 PR_SET_PDEATHSIG, PR_SET_CHILD_SUBREAPER = 1, 36
 
@@ -33,10 +33,7 @@ def descendants() -> List[int]:
     children: Dict[int, List[int]] = {}
     for name in filter(str.isdigit, os.listdir('/proc')):
         try:
-            # the kernel may cut a name within a character
-            with open('/proc/{}/stat'.format(name), errors='replace') as file:
-                # PID (NAME) STATE PARENT ...; the name may contain spaces and brackets
-                state, parent = file.read().rpartition(')')[2].split()[:2]
+            state, parent = _fields(name)[:2]
         except OSError:         # the process has ended meanwhile
             continue
         if state not in 'ZX':
@@ -47,6 +44,31 @@ def descendants() -> List[int]:
         generation = [child for pid in generation for child in children.get(pid, ())]
         found += generation
     return found
+
+
+def in_foreground(stream: Any) -> bool:
+    """Return whether a stream is a terminal with this process, or its starter, in the foreground.
+
+    roslaunch starts each node in a session of its own, which has no terminal.
+    """
+    try:
+        process = os.getpid() if stream.isatty() else 0
+        while process > 0:
+            parent, group, _, terminal, foreground = map(int, _fields(process)[1:6])
+            if terminal == os.fstat(stream.fileno()).st_rdev:
+                return group == foreground
+            process = parent
+    except (AttributeError, OSError, ValueError):       # e.g. a closed stream
+        pass
+    return False
+
+
+def _fields(process: Union[int, str]) -> List[str]:
+    """Return what /proc says of a process from its state on: STATE PARENT GROUP SESSION ..."""
+    # the kernel may cut a name within a character
+    with open('/proc/{}/stat'.format(process), errors='replace') as file:
+        # before the state are PID (NAME); the name may contain spaces and brackets
+        return file.read().rpartition(')')[2].split()
 
 
 def send(signum: int, pids: Iterable[int]) -> None:

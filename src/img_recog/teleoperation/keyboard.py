@@ -12,15 +12,17 @@ from typing import Optional
 class Keyboard:
     """Reads keys without waiting for Enter; to be used in a `with` statement.
 
-    present: whether keys can be read, which needs standard input to be a terminal and this process
-    to be in its foreground. A process in the background, or one that roslaunch started in a
-    separate session, would take the keys away from the shell. If False, `key` only waits.
+    present: whether keys can be read. If False, `key` only waits.
+
+    Args:
+        is_in_foreground: Whether the standard input is a terminal that has this process in its
+            foreground. A process in the background would take the keys away from the shell.
     """
 
-    def __init__(self, stream=None):
-        self._stream = sys.stdin if stream is None else stream
+    def __init__(self, is_in_foreground: bool):
+        self._stream = sys.stdin
         self._saved = None
-        self.present = _in_foreground(self._stream)
+        self.present = is_in_foreground
 
     def __enter__(self) -> 'Keyboard':
         if self.present:
@@ -50,10 +52,3 @@ class Keyboard:
             pressed = b''
         self.present = bool(pressed)        # no byte or an error: it is closed
         return pressed.decode('ascii', 'replace') or None
-
-
-def _in_foreground(stream) -> bool:
-    try:
-        return stream.isatty() and os.tcgetpgrp(stream.fileno()) == os.getpgrp()
-    except (AttributeError, OSError, ValueError):
-        return False

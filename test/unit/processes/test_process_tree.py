@@ -1,9 +1,14 @@
 """The descendants of a process, also those whose parents have ended."""
 import concurrent.futures
+import fcntl
+import io
 import multiprocessing
 import os
+import pty
 import signal
 import subprocess
+import sys
+import termios
 
 import pytest
 
@@ -99,3 +104,50 @@ def test_a_process_that_does_not_end_in_time_is_killed():
         process_tree.wait_or_kill(hangs, 0.01)
         process_tree.wait_or_kill(ends, DEADLINE_S)
         assert (hangs.returncode, ends.returncode) == (-signal.SIGKILL, 0)
+
+
+def answer(terminal, folder, in_background):
+    """Have a program ask in_foreground(stdin) in a session of its own, as a node of roslaunch.
+
+    The program that starts it has the terminal, and is in its foreground unless `in_background`.
+    """
+    def have_terminal():
+        os.setsid()
+        fcntl.ioctl(terminal, termios.TIOCSCTTY, 0)
+        if in_background:
+            if os.fork():
+                os.wait()
+                os._exit(0)
+            os.setpgid(0, 0)        # like a job that a shell starts with &
+    node = ('import sys; from img_recog.processes.process_tree import in_foreground; '
+            'print(in_foreground(sys.stdin))')
+    starter = ('import subprocess, sys; subprocess.check_call([sys.executable, "-c", {!r}], '
+               'start_new_session=True)'.format(node))
+    path = os.path.join(folder, 'answer')
+    with open(path, 'w') as file:
+        subprocess.run([sys.executable, '-c', starter], stdin=terminal, stdout=file, check=True,
+                       preexec_fn=have_terminal)
+    with open(path) as file:
+        return file.read()
+
+
+@pytest.mark.parametrize('in_background', [False, True])
+def test_what_a_program_of_the_foreground_starts_is_in_it(tmp_path, in_background):
+    master, slave = pty.openpty()
+    try:
+        assert answer(slave, str(tmp_path), in_background) == '{}\n'.format(not in_background)
+    finally:
+        os.close(master)
+        os.close(slave)
+
+
+def test_no_stream_that_is_no_terminal_has_a_foreground(tmp_path):
+    (tmp_path / 'keys').write_text('w')
+    with open(str(tmp_path / 'keys')) as file:
+        assert process_tree.in_foreground(file) is False
+    for stream in (file, None, object(), io.StringIO('w')):
+        assert process_tree.in_foreground(stream) is False
+    master, slave = pty.openpty()       # no session has it
+    with open(slave, 'rb', buffering=0) as terminal:
+        assert process_tree.in_foreground(terminal) is False
+    os.close(master)

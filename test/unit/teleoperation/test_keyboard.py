@@ -1,6 +1,5 @@
-"""Keys from a terminal, a pseudo-terminal whose foreground this process pretends to be."""
+"""Keys from a pseudo-terminal."""
 import contextlib
-import io
 import os
 import pty
 import termios
@@ -13,27 +12,19 @@ from img_recog_helpers.waiting import DEADLINE_S
 
 
 @pytest.fixture
-def terminal():
-    """Both ends of a terminal: a descriptor and a stream."""
+def terminal(monkeypatch):
+    """Both ends of a terminal: a descriptor, and a stream that is the standard input."""
     master, slave = pty.openpty()
     with open(slave, 'rb', buffering=0) as stream:
+        monkeypatch.setattr('sys.stdin', stream)
         yield master, stream
     with contextlib.suppress(OSError):      # closed by the test
         os.close(master)
 
 
-@pytest.fixture
-def foreground(monkeypatch):
-    """A function that sets which process group is in the foreground of all terminals."""
-    def put(group):
-        monkeypatch.setattr(os, 'tcgetpgrp', lambda _: group)
-    put(os.getpgrp())
-    return put
-
-
-def test_keys_are_read_one_by_one_without_enter(terminal, foreground):
+def test_keys_are_read_one_by_one_without_enter(terminal):
     master, stream = terminal
-    with Keyboard(stream) as keyboard:
+    with Keyboard(True) as keyboard:
         assert keyboard.present
         assert keyboard.key(0) is None
         for key in 'wxads q':
@@ -47,12 +38,12 @@ def test_keys_are_read_one_by_one_without_enter(terminal, foreground):
 
 
 @pytest.mark.parametrize('error', [None, RuntimeError, KeyboardInterrupt, SystemExit])
-def test_echo_and_line_mode_are_off_inside_and_restored_after(terminal, foreground, error):
+def test_echo_and_line_mode_are_off_inside_and_restored_after(terminal, error):
     _, stream = terminal
     before, modes = termios.tcgetattr(stream), termios.ECHO | termios.ICANON
     assert before[3] & modes == modes
     with pytest.raises(error) if error else contextlib.nullcontext():
-        with Keyboard(stream):
+        with Keyboard(True):
             flags = termios.tcgetattr(stream)[3]
             assert flags & modes == 0 and flags & termios.ISIG
             if error:
@@ -61,9 +52,9 @@ def test_echo_and_line_mode_are_off_inside_and_restored_after(terminal, foregrou
 
 
 @pytest.mark.parametrize('error', [None, OSError])
-def test_closed_terminal_has_no_keys_and_raises_no_error(terminal, foreground, monkeypatch, error):
+def test_closed_terminal_has_no_keys_and_raises_no_error(terminal, monkeypatch, error):
     master, stream = terminal
-    with Keyboard(stream) as keyboard:
+    with Keyboard(True) as keyboard:
         assert keyboard.present
         os.close(master)
         if error:       # as on other systems
@@ -72,14 +63,10 @@ def test_closed_terminal_has_no_keys_and_raises_no_error(terminal, foreground, m
         assert not keyboard.present and keyboard.key(0) is None
 
 
-@pytest.mark.parametrize('is_controlling', [True, False])
-def test_without_the_foreground_there_are_no_keys_and_the_terminal_is_unchanged(
-        terminal, request, is_controlling):
-    if is_controlling:      # but another group is in its foreground
-        request.getfixturevalue('foreground')(os.getpgrp() + 1)
+def test_in_the_background_there_are_no_keys_and_the_terminal_is_unchanged(terminal):
     master, stream = terminal
     before = termios.tcgetattr(stream)
-    with Keyboard(stream) as keyboard:
+    with Keyboard(False) as keyboard:
         assert keyboard.present is False
         os.write(master, b'w\n')
         assert keyboard.key(0) is None
@@ -87,20 +74,9 @@ def test_without_the_foreground_there_are_no_keys_and_the_terminal_is_unchanged(
     assert stream.read(1) == b'w'
 
 
-def test_a_file_has_no_keys(tmp_path):
-    (tmp_path / 'keys').write_text('wwww')
-    with open(str(tmp_path / 'keys')) as stream, Keyboard(stream) as keyboard:
-        assert keyboard.present is False
-        assert keyboard.key(0) is None
-        assert stream.read() == 'wwww'
-
-
-@pytest.mark.parametrize('stdin', [None, io.StringIO('w'), object()])
-def test_without_a_terminal_the_timeout_is_waited_for(monkeypatch, stdin):
+def test_without_a_terminal_the_timeout_is_waited_for(monkeypatch):
     waited = []
     monkeypatch.setattr('img_recog.teleoperation.keyboard.time.sleep', waited.append)
-    monkeypatch.setattr('sys.stdin', stdin)
-    with Keyboard() as keyboard:
-        assert keyboard.present is False
+    with Keyboard(False) as keyboard:
         assert keyboard.key(0.3) is None
     assert waited == [0.3]
