@@ -10,6 +10,7 @@ import subprocess
 import sys
 
 from img_recog.command_line import programs
+from img_recog.processes import display
 
 
 def main():
@@ -25,10 +26,11 @@ def main():
                        stderr=subprocess.DEVNULL):
         reason = ('{0} is not installed: install the package {1} (Debian, if it has it) or '
                   'ros-noetic-{1}'.format(given.package, given.package.replace('_', '-')))
-    elif not os.environ.get('DISPLAY'):
-        reason = 'there is no display: set DISPLAY, or look at the page (web:=true)'
     else:
-        os.execvp('rosrun', ['rosrun', given.package, given.program, *given.arguments])
+        reason = display.problem()
+        if not reason:
+            os.execvp('rosrun', ['rosrun', given.package, given.program, *given.arguments])
+        reason += ': set DISPLAY, or look at the page (web:=true)'
     sys.stderr.write('[{}] no window: {}\n'.format(name, reason))
     return 0
 

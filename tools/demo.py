@@ -21,7 +21,7 @@ from demo_arguments import ArgumentError, Arguments
 
 from img_recog.command_line.messages import message
 from img_recog.errors import UserError
-from img_recog.processes import launch_output, process_tree, signals
+from img_recog.processes import display, launch_output, process_tree, signals
 
 # Seconds after Ctrl-C, and the signal that is sent to all processes then. roslaunch has the time
 # before the first one to stop its nodes itself.
@@ -263,11 +263,22 @@ def check_files(words):
         robot_file.read(given['urdf'])
 
 
+def check_display():
+    """Have the page in place of windows, with a line, if DISPLAY names no X server."""
+    reason = display.problem() if os.environ.get('DISPLAY') else ''
+    if reason:
+        sys.stdout.write('[run] {}\n'.format(message(
+            '{}: no windows, but the page; start the X server or log in with ssh -X', reason)))
+        sys.stdout.flush()
+        del os.environ['DISPLAY']
+
+
 def main(launch_file, *words):
     """Run the demo with these arguments; return the exit code."""
     try:
         checked = Arguments(launch_file).checked(words)
         check_files(checked)
+        check_display()
         claim = demo_master.Claim(checked)
     except (ArgumentError, UserError) as error:
         sys.stderr.write('[run] {}\n'.format(error))

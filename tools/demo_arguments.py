@@ -21,6 +21,7 @@ OPTIONS_WITH_VALUE = ('-p', '--port', '-t', '--timeout', '-u', '--server_uri', '
                       '--args', '--find-node', '--master-logger-level', '--pid',
                       '--run_id', '--sigint-timeout', '--sigterm-timeout')
 TRUE_OR_FALSE = ('true', 'false', '1', '0')
+MEANT = {'true': ('yes', 'on', 'y', 't'), 'false': ('no', 'off', 'n', 'f', 'none', 'never')}
 HELP = {'-h', '--help'}
 # arguments that are paths, and what else they may be
 PATHS = {'camera': 'auto|synthetic|robot|none|.*://.*', 'colors': '', 'record': 'none',
@@ -102,8 +103,10 @@ class Arguments:
             raise ArgumentError('{} has no value: roslaunch ignores it; write {}:=VALUE, or leave '
                                 'it out', name, name)
         if name in self._switches and value.lower() not in TRUE_OR_FALSE:
-            raise ArgumentError('{}: got {}, allowed is true or false; write {}:=true',
-                                name, value, name)
+            meant = next((switch for switch, words in MEANT.items() if value.lower() in words), '')
+            raise ArgumentError('{}: got {}, allowed is true or false; write {}', name, value,
+                                '{}:={}'.format(name, meant) if meant else
+                                message('{} or {}', name + ':=true', name + ':=false'))
         # PWD keeps symlinks, unlike os.getcwd(): the path is the one that the user sees
         path = os.path.join(os.environ.get('PWD') or os.getcwd(), os.path.expanduser(value))
         if name in PATHS and not re.fullmatch(PATHS[name], value.lower()):

@@ -13,7 +13,7 @@ import time
 import urllib.parse
 
 from img_recog.command_line.messages import message
-from img_recog.errors import UserError
+from img_recog.errors import UserError, shortened
 from img_recog.ros import timed_xmlrpc
 
 _FILE = os.path.join(os.path.dirname(os.path.dirname(os.path.abspath(__file__))), 'build',
@@ -41,6 +41,7 @@ class Claim:
         port = next((words[i + 1] for i, word in enumerate(words) if word in _PORT_OPTIONS), '')
         uri = 'http://localhost:' + port if port else os.environ.get('ROS_MASTER_URI', '')
         if uri:
+            _check_address(uri)
             self._check(uri)
         else:
             uri = os.environ['ROS_MASTER_URI'] = self._free()
@@ -125,6 +126,30 @@ class Claim:
         fcntl.flock(self._file, fcntl.LOCK_EX)
         self._file.write(uri + '\n')
         self._file.flush()
+
+
+def _check_address(uri):
+    """Raise UserError for an address at which no master is, and roslaunch starts none."""
+    try:
+        address = urllib.parse.urlsplit(uri)
+        is_complete = address.scheme in ('http', 'https') and address.hostname and address.port
+    except ValueError:          # e.g. a port that is not a number
+        is_complete = False
+    if not is_complete:
+        raise UserError(
+            message('ROS_MASTER_URI: got {}, allowed is http://HOST:PORT', shortened(uri)),
+            message('set it to http://localhost:{}, or run "unset ROS_MASTER_URI"', _FIRST_PORT))
+    if _nodes(uri) is not None:
+        return
+    try:
+        found = socket.getaddrinfo(address.hostname, 0, type=socket.SOCK_STREAM)
+        with socket.socket(found[0][0]) as own:
+            own.bind(found[0][4])       # an address of this computer: roslaunch starts the master
+    except OSError:
+        raise UserError(
+            message('ROS_MASTER_URI: no master answers at {}, which is not this computer',
+                    shortened(uri)),
+            message('start roscore there, or run "unset ROS_MASTER_URI"'))
 
 
 def _is_listening(port):

@@ -1,4 +1,6 @@
 """Fixtures for tests that run whole processes."""
+import os
+
 import pytest
 
 from img_recog_helpers.processes import Ros
@@ -38,3 +40,18 @@ def simulate(shared_ros):
         shared_ros.set_parameters('/robot_description', urdf or burger())
         return shared_ros.start_node('pybullet_sim.py', *parameters, **popen)
     return start
+
+
+@pytest.fixture
+def display(ros, tmp_path):
+    """A virtual display; ros.env has its name. Returns the file in which what it shows is kept."""
+    reader, writer = os.pipe()
+    # without -noreset it ends the connections of new clients when the last one has gone
+    server = ros.start('Xvfb', '-displayfd', writer, '-noreset', '-screen', '0', '1100x800x24',
+                       '-nolisten', 'tcp', '-fbdir', tmp_path, pass_fds=[writer])
+    os.close(writer)
+    with os.fdopen(reader) as file:
+        number = file.readline().strip()
+    assert number, server.output
+    ros.env['DISPLAY'] = ':' + number
+    return tmp_path / 'Xvfb_screen0'

@@ -25,9 +25,10 @@ def start(ros, *arguments, **env):
     return ros.start_node('optional_window.py', *arguments, env=dict(ros.env, **env))
 
 
-def test_a_program_that_is_there_is_started_with_its_arguments(ros, tmp_path, with_package):
-    process = start(ros, 'shown', 'program', '-d', 'a file', '__name:=rviz', DISPLAY=':0',
-                    **with_package)
+@pytest.mark.display
+def test_a_program_that_is_there_is_started_with_its_arguments(ros, display, tmp_path,
+                                                               with_package):
+    process = start(ros, 'shown', 'program', '-d', 'a file', '__name:=rviz', **with_package)
     assert process.wait() == 0, process.output
     assert (tmp_path / 'arguments').read_text() == '-d a file __name:=rviz\n'
 
@@ -40,11 +41,15 @@ def test_without_the_package_a_line_says_how_to_get_it(ros):
         'if it has it) or ros-noetic-rqt-nowhere\n')
 
 
-def test_without_a_display_a_line_says_what_to_do(ros, with_package):
-    process = start(ros, 'shown', 'program', **with_package)
+@pytest.mark.parametrize('name, words', [
+    ('', 'there is no display'), (':4711', 'no X server can be used at DISPLAY=:4711'),
+    ('nonsense', 'no X server can be used at DISPLAY=nonsense'),
+    ('localhost:99.0', 'no X server can be used at DISPLAY=localhost:99.0')])
+def test_without_a_display_a_line_says_what_to_do(ros, with_package, name, words):
+    process = start(ros, 'shown', 'program', DISPLAY=name, **with_package)
     assert process.wait() == 0
-    assert process.output == ('[program] no window: there is no display: set DISPLAY, or look at '
-                              'the page (web:=true)\n')
+    assert process.output == ('[program] no window: {}: set DISPLAY, or look at the page '
+                              '(web:=true)\n'.format(words))
 
 
 def test_the_demo_goes_on_without_a_window(ros):

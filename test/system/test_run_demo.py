@@ -197,6 +197,8 @@ def last_line(demo):
 @pytest.mark.parametrize('argument, content, node, part, reason', [
     ('framerate', '0', 'usb_cam', 'the camera', '/usb_cam/framerate: got 0.0, allowed is '),
     ('camera', '/no/such.mp4', 'usb_cam', 'the camera', 'cannot open /no/such.mp4: no such file'),
+    # a file that exists
+    ('camera', __file__, 'usb_cam', 'the camera', 'cannot play .*; give one, or synthetic'),
     ('urdf', '<sdf/>', 'gazebo', 'the simulator', 'root element <sdf>'),
     # the node itself has this topic
     ('colors', 'red_image_topic: cmd_vel\n', 'color_extract', 'the recognition',
@@ -243,6 +245,32 @@ def test_a_given_master_of_another_demo_is_refused(run_demo, ros):
     assert interrupt(others) == 0 and first.is_running()
 
 
+@pytest.mark.parametrize('uri, words', [
+    ('http://192.0.2.1:11311', 'no master answers at http://192.0.2.1:11311, which is not this'),
+    ('http://no.such.host.invalid:11311', 'no master answers at http://no.such.host.invalid:11311'),
+    ('http://localhost', 'got http://localhost, allowed is http://HOST:PORT'),
+    ('localhost:11311', 'got localhost:11311, allowed is http://HOST:PORT'),
+    ('http://localhost:x', 'got http://localhost:x, allowed is http://HOST:PORT'),
+    ('http://:11311', 'got http://:11311, allowed is http://HOST:PORT')])
+def test_a_master_that_cannot_be_is_refused(run_demo, uri, words):
+    run_demo.env['ROS_MASTER_URI'] = uri
+    demo = run_demo(*SMALL)
+    assert demo.wait() == 1
+    assert last_line(demo).startswith('[run] ROS_MASTER_URI: ' + words), demo.output
+    assert 'unset ROS_MASTER_URI' in last_line(demo)
+    assert 'Traceback' not in demo.output and 'process[' not in demo.output
+
+
+def test_without_the_x_server_of_display_the_page_comes_in_place_of_windows(run_demo, ros):
+    run_demo.env['DISPLAY'] = ':4711'
+    demo = ros.start(os.path.join(ROOT, 'run'), 'demo', 'simulator:=false', *SMALL_CAMERA,
+                     start_new_session=True, env=run_demo.env)
+    demo.wait_output(r'\[run\] no X server can be used at DISPLAY=:4711: no windows, but the page')
+    demo.wait_output(r'the page: http://')
+    assert 'process[image_view' not in demo.output
+    assert interrupt(demo) == 0
+
+
 def test_a_killed_master_is_reported_and_ends_the_demo(run_demo):
     demo = run_demo(*SMALL)
     demo.wait_output(STARTED)
@@ -252,15 +280,12 @@ def test_a_killed_master_is_reported_and_ends_the_demo(run_demo):
     assert last_line(demo) == '[run] the ROS master (master) has ended: killed by SIGKILL'
 
 
-def test_camera_that_cannot_start_is_reported_and_the_other_nodes_continue(
-        run_demo, ros, tmp_path):
-    path = tmp_path / 'video.mp4'
-    path.write_text('not a video')
+def test_camera_that_cannot_start_is_reported_and_the_other_nodes_continue(run_demo, ros):
     run_demo.env.update(PATIENT)
-    demo = run_demo('camera:={}'.format(path), 'simulator:=false')
-    reason = r'\[run\] the camera \(usb_cam\) has ended: .*video.mp4'
+    demo = run_demo('camera:=http://127.0.0.1:1/video', 'simulator:=false')
+    reason = r'\[run\] the camera \(usb_cam\) has ended: .*127.0.0.1'
     demo.wait_output(reason + '.*; the other nodes continue\n')
-    demo.wait_output(r'\[respawn\] usb_cam: ended and is not started again: .*video.mp4')
+    demo.wait_output(r'\[respawn\] usb_cam: ended and is not started again: .*127.0.0.1')
     for name in ('color_extract', 'turtlebot3_teleop_keyboard'):
         assert ros.node_pid('/' + name)
     assert interrupt(demo) == 0

@@ -1,5 +1,4 @@
 """The windows on a virtual display, checked by screenshots."""
-import os
 import re
 import subprocess
 
@@ -14,21 +13,6 @@ from img_recog_helpers.waiting import wait_for
 
 pytestmark = pytest.mark.display
 SIMULATOR = 'Bullet Physics'
-
-
-@pytest.fixture
-def display(ros, tmp_path):
-    """A virtual display; ros.env has its name. Returns the file in which what it shows is kept."""
-    reader, writer = os.pipe()
-    # without -noreset it ends the connections of new clients when the last one has gone
-    server = ros.start('Xvfb', '-displayfd', writer, '-noreset', '-screen', '0', '1100x800x24',
-                       '-nolisten', 'tcp', '-fbdir', tmp_path, pass_fds=[writer])
-    os.close(writer)
-    with os.fdopen(reader) as file:
-        number = file.readline().strip()
-    assert number, server.output
-    ros.env['DISPLAY'] = ':' + number
-    return tmp_path / 'Xvfb_screen0'
 
 
 def screenshot(path):

@@ -210,12 +210,13 @@ def _value(path: str, name: Any, value: Any) -> Any:
 
 def _file(path: str, name: str, value: str) -> str:
     """Return the path of a file, or the name of a world."""
-    if name == 'world' and (value == _EMPTY_WORLD or value in resources.worlds()):
+    worlds = [_EMPTY_WORLD, *resources.worlds()]
+    if name == 'world' and value in worlds:
         return value
     found = os.path.join(os.path.dirname(os.path.abspath(path)), os.path.expanduser(value))
     if not os.path.isfile(found):
         raise UserError('{}: {}: no file {}'.format(path, name, found), '' if name != 'world' else
-                        'known worlds are ' + ', '.join([_EMPTY_WORLD, *resources.worlds()]))
+                        suggestion(value, worlds) or 'known worlds are ' + ', '.join(worlds))
     return os.path.normpath(found)
 
 

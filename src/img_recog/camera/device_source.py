@@ -15,7 +15,7 @@ from img_recog.errors import one_line
 _MIN_STALL_TIMEOUT_S = 1.5
 # OpenCV holds four frames: one that seems to be older has a stamp of another clock.
 _MAX_AGE_S = 2.0
-_ADVICE = 'set video_device to one of these, a file, or synthetic'
+_ADVICE = 'give one of these, a file, or synthetic'
 
 
 def list_devices() -> str:

@@ -90,7 +90,7 @@ class FolderSource(FrameSource):
         refused = SourceError(
             'cannot open {}: there is no image in it that can be read{}'.format(
                 self.name, left_out and '; ' + left_out),
-            'set video_device to a folder with images, or to synthetic')
+            'give a folder with images, or synthetic')
         for path in self._paths:
             try:
                 image = read_image(path, self._max_pixels)

@@ -7,7 +7,7 @@ from typing import Callable, Sequence
 from img_recog.camera.device_source import DeviceSource, list_devices
 from img_recog.camera.image_source import (UNREADABLE, FolderSource, ImageSource, has_reader,
                                            is_jpeg_video, is_truncated, read_image)
-from img_recog.camera.source import (FrameSource, NoSuchSource, SourceError, check_size,
+from img_recog.camera.source import (FrameSource, RefusedSource, SourceError, check_size,
                                      convert)
 from img_recog.camera.synthetic import SyntheticSource
 from img_recog.camera.usb_cam_settings import UsbCamSettings
@@ -48,11 +48,15 @@ def open_source(settings: UsbCamSettings, folders: Sequence[str] = ('',),
     path = _find(name, folders)
     mode = os.stat(path).st_mode
     if stat.S_ISREG(mode) or stat.S_ISDIR(mode):
-        return open_file(path, settings.framerate, settings.loop, warn, settings.max_image_pixels)
+        try:
+            return open_file(path, settings.framerate, settings.loop, warn,
+                             settings.max_image_pixels)
+        except SourceError as error:        # a file does not come back, as a device does
+            raise RefusedSource(error.problem, error.advice) from error
     if stat.S_ISCHR(mode):
         return DeviceSource(dataclasses.replace(settings, video_device=path))
     raise SourceError('cannot open {}: neither a device nor a file'.format(path),
-                      'set video_device to one, or to synthetic')
+                      'give one, or synthetic')
 
 
 def open_file(path: str, rate_hz: float, loop: bool = True,
@@ -91,9 +95,9 @@ def _find(name: str, folders: Sequence[str]) -> str:
     for path in candidates:
         if os.path.exists(path):
             return os.path.abspath(path)
-    raise NoSuchSource(
+    raise RefusedSource(
         'cannot open {}: no such file or device (have {})'.format(candidates[0], list_devices()),
-        'set video_device to a device, a video, an image, synthetic or auto')
+        'give a device, a video, an image, synthetic or auto')
 
 
 def _is_text(path: str) -> bool:

@@ -20,8 +20,8 @@ class SourceError(UserError):
     """A frame source cannot be opened or gives no more frames."""
 
 
-class NoSuchSource(SourceError, ParameterError):
-    """The name of a source is not one of anything that exists."""
+class RefusedSource(SourceError, ParameterError):
+    """What the user gave is not a source, and will not become one."""
 
 
 class SourceTooLarge(SourceError):

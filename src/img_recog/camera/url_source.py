@@ -7,7 +7,7 @@ import numpy as np
 
 from img_recog.camera.decoder import Decoder, open_decoder, released_on_error
 from img_recog.camera.image_source import VIDEO_EXTENSIONS
-from img_recog.camera.source import (FrameSkipped, FrameSource, NoSuchSource, SourceError,
+from img_recog.camera.source import (FrameSkipped, FrameSource, RefusedSource, SourceError,
                                      SourceTooLarge, check_size, redacted)
 from img_recog.camera.usb_cam_settings import UsbCamSettings
 from img_recog.camera.video_source import VideoSource
@@ -31,7 +31,7 @@ def open_url(settings: UsbCamSettings, warn: Callable[[str], None]) -> FrameSour
     url = '{}://{}'.format(scheme, rest)
     name, max_pixels = redacted(url), settings.max_image_pixels
     if scheme not in _SCHEMES:
-        raise NoSuchSource('cannot open {}: the URL of a stream begins with one of {}'.format(
+        raise RefusedSource('cannot open {}: the URL of a stream begins with one of {}'.format(
             name, ', '.join(known + '://' for known in _SCHEMES)))
     decoder = open_decoder(url, max_pixels, (_OPEN_TIMEOUT_S, _READ_TIMEOUT_S))
     if decoder is None:

@@ -20,7 +20,7 @@ _MAX_DAMAGED_FRAMES = 4096      # in a row; then it is a video no longer
 def not_playable(name: str) -> SourceError:
     """Return the error for a file that is neither a video nor an image."""
     return SourceError('cannot play {}: neither a video nor an image that OpenCV reads'.format(
-        name), 'set video_device to one, or to synthetic')
+        name), 'give one, or synthetic')
 
 
 class VideoSource(FrameSource):

@@ -5,7 +5,7 @@ import re
 import xml.etree.ElementTree as ElementTree
 from typing import Callable, Dict, Union
 
-from img_recog.errors import SimulationError
+from img_recog.errors import SimulationError, suggestion
 from img_recog.files import FindFile, find_in, find_user_path
 from img_recog.formats import lumping, sdf_file, sdf_versions, urdf
 from img_recog.formats.markup import MarkupError, check_expanded, parse_xml, read_bytes
@@ -97,7 +97,7 @@ def _parsed(world: str, path: str, worlds: Dict[str, str],
                 'world: got {!r}, and the package turtlebot3_gazebo with its worlds is not found'
                 .format(world), 'build it in a workspace and source its setup.bash; ' + allowed)
         raise SimulationError('world: got {!r}, which cannot be read as a file ({})'.format(
-            world, error), allowed)
+            world, error), suggestion(world, [*worlds, EMPTY]) or allowed)
     except MarkupError as error:
         raise SimulationError('world: got {!r}, which cannot be used ({})'.format(
             world, error.problem), error.advice or allowed)

@@ -3,7 +3,7 @@ import os
 import reprlib
 from typing import Any, Dict, List, Sequence
 
-from img_recog.errors import one_line, shortened
+from img_recog.errors import one_line, shortened, suggestion
 from img_recog.formats.markup import MarkupError, read_bytes
 from img_recog.formats.yaml_text import load_yaml
 from img_recog.recognition.recognition_settings import (DEFAULT_COLORS, RecognitionSettings,
@@ -52,7 +52,7 @@ def settings_in(values: Dict[str, Any], path: str) -> RecognitionSettings:
                 raise ParameterError('{}: parameter {}: {}'.format(
                     path, shortened(name, _MAX_SHOWN), unknown_color(color, names)))
             if name not in known | others:
-                raise ParameterError('{}: {}'.format(path, unknown(name, known)))
+                raise ParameterError('{}: {}'.format(path, unknown(name, {COLORS} | known | others)))
         return from_mapping(settings_class, values)
     except SettingError as error:
         raise ParameterError('{}: parameter {}: got {}, allowed is {}'.format(
@@ -67,9 +67,9 @@ def node_only(names: Sequence[str]) -> List[str]:
 
 def unknown_color(color: str, names: Sequence[str]) -> str:
     """Return a message about a parameter of a color that is not in the parameter `colors`."""
-    color = shortened(color, _MAX_SHOWN)
-    return 'there is no color {}, the colors are {}; add it to {}: [{}]'.format(
-        color, ', '.join(names), COLORS, ', '.join([*names, color]))
+    color, similar = shortened(color, _MAX_SHOWN), suggestion(color, names)
+    return 'there is no color {}, the colors are {}; {}add it to {}: [{}]'.format(
+        color, ', '.join(names), similar and similar + ' Or ', COLORS, ', '.join([*names, color]))
 
 
 def values_in(path: str) -> Dict[str, Any]:

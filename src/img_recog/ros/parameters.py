@@ -57,8 +57,9 @@ def warn_of_unknown(*settings_classes: Type[Settings], also_known: Iterable[str]
     also_known: more names without a warning, as of the namespaces of a topic's parameters.
     namespace: as for `read`. meant: as for `unknown`.
     """
-    known = sorted(field.name for each in settings_classes for field in setting_fields(each))
-    for name in sorted(set(_parameters_in(namespace)) - {*known, *also_known}):
+    known = {field.name for each in settings_classes for field in setting_fields(each)}
+    known.update(also_known)
+    for name in sorted(set(_parameters_in(namespace)) - known):
         rospy.logwarn('%s', unknown(name, known, _name_in(namespace, name), meant))
 
 

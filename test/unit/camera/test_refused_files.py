@@ -14,8 +14,8 @@ from img_recog.camera.usb_cam_settings import UsbCamSettings
 from img_recog_helpers import bombs, refusals
 from img_recog_helpers.videos import smooth_image
 
-NOT_PLAYABLE = ('cannot play {}: neither a video nor an image that OpenCV reads; set video_device '
-                'to one, or to synthetic')
+NOT_PLAYABLE = ('cannot play {}: neither a video nor an image that OpenCV reads; give one, '
+                'or synthetic')
 
 
 def refusal(path):
@@ -38,8 +38,8 @@ def test_missing_file_lists_the_devices_and_the_advice(tmp_path, devices):
     for found, listed in (([], 'no /dev/video*'), (['3', '1'], '/dev/video1, /dev/video3')):
         devices[:] = map('/dev/video{}'.format, found)
         assert refusal(path) == (
-            'cannot open {}: no such file or device (have {}); set video_device to a device, a '
-            'video, an image, synthetic or auto'.format(path, listed))
+            'cannot open {}: no such file or device (have {}); give a device, a video, an '
+            'image, synthetic or auto'.format(path, listed))
 
 
 @pytest.mark.parametrize('name, content', [
@@ -130,13 +130,13 @@ def test_jpeg_with_data_after_its_end_is_read(tmp_path, extra, progressive):
 
 
 @pytest.mark.parametrize('make, what', [
-    (os.mkdir, 'there is no image in it that can be read; set video_device to a folder with '
+    (os.mkdir, 'there is no image in it that can be read; give a folder with '
      'images'),
-    (os.mkfifo, 'neither a device nor a file; set video_device to one')])
+    (os.mkfifo, 'neither a device nor a file; give one')])
 def test_what_is_no_file(tmp_path, make, what):
     make(str(tmp_path / 'path'))
     assert refusal(tmp_path / 'path') == (
-        'cannot open {}: {}, or to synthetic'.format(
+        'cannot open {}: {}, or synthetic'.format(
             tmp_path / 'path', what))
 
 
@@ -144,7 +144,7 @@ def test_character_device_that_is_not_a_camera(devices):
     devices.append('/dev/video7')
     assert refusal('/dev/null') == (
         'cannot open /dev/null: no V4L2 capture device, or in use by another program (have '
-        '/dev/video7); set video_device to one of these, a file, or synthetic')
+        '/dev/video7); give one of these, a file, or synthetic')
 
 
 def test_file_without_permission_to_read(make_video, monkeypatch):

@@ -48,14 +48,14 @@ def fits(color: str, sampled: Sampled, objective: str = PIXELS, by_times: bool =
     Bounds are in the middle between the two where that makes no difference to the samples, but not
     farther beyond the samples than 10 hues and 60 levels.
     by_times: whether the samples of the color are estimated from times.
-    Raises UserError if there is no sample of the color, or no bounds separate it.
+    Raises UserError if no pixel is a sample of the color, or no bounds separate it.
     """
     if not len(sampled.positive.counts):
         if by_times:
             raise UserError('frames with {} have not more of any color than those without '
                             'it'.format(color), TIMES_ADVICE)
-        raise UserError('there is no sample of {}'.format(color),
-                        'add one: a rectangle, a polygon, a mask, or a range of time')
+        raise UserError('no pixel is a sample of {}'.format(color), 'add a rectangle, a polygon, '
+                        'a mask, or a range of time; what is ignored must not cover it')
     search, found = BoxSearch(*sampled, SHAPE), []
     for beta in _BETAS if objective == FRAMES else _BETAS[:1]:
         best = search.best(beta)

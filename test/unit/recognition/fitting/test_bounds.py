@@ -124,7 +124,7 @@ def test_the_objective_frames_has_bounds_for_different_weights_of_recall():
 
 
 def test_no_sample_and_no_bounds_are_one_line_each():
-    assert 'there is no sample of red; add one' in refusal(
+    assert 'no pixel is a sample of red; add a rectangle' in refusal(
         bounds.fits, 'red', as_sampled(counts(), counts(CARD)))
     line = refusal(bounds.fits, 'red', as_sampled(counts(CARD), 9 * counts(CARD)))
     assert 'no bounds separate red' in line
