@@ -8,19 +8,22 @@ for its own locks for minutes.
 import contextlib
 import os
 import pty
+import re
 import select
 import selectors
 import signal
 import subprocess
 import sys
+import tempfile
 import termios
 import time
 
 import demo_master
 from demo_arguments import ArgumentError, Arguments
 
+from img_recog import files
 from img_recog.command_line.messages import message
-from img_recog.errors import UserError
+from img_recog.errors import UserError, one_line
 from img_recog.processes import display, launch_output, process_tree, signals
 
 # Seconds after Ctrl-C, and the signal that is sent to all processes then. roslaunch has the time
@@ -29,11 +32,14 @@ _ESCALATION = tuple(
     (after_s * float(os.environ.get('IMG_RECOG_END_SCALE', '1')), signum)   # for tests
     for after_s, signum in ((4.5, signal.SIGINT), (7.0, signal.SIGTERM), (8.5, signal.SIGKILL)))
 _POLL_PERIOD_S = 0.1
+_LOG_BYTES = 1 << 20        # of a short demo
 _CHUNK_BYTES = 4096         # what a pipe that poll reports as writable takes without blocking
 _MAX_UNSENT_BYTES = 1 << 16
 _FLUSH_TIMEOUT_S = 1.0
 # longer than roslaunch takes to say that it starts the node again
 _NOTICE_DELAY_S = 1.2
+# after roslaunch has started a node without starting another one; a page says itself when it is there
+_HINT_DELAY_S = 4.0
 _WAIT_NOTICE_S = 3.0        # after Ctrl-C; normally nothing is left then
 
 
@@ -104,6 +110,8 @@ class Supervisor:
         self._deaths = []
         self._noticed = 0           # number of deaths that were reported
         self._notice_at = None
+        self._hint_at = None        # when to say what to do with a demo that has started
+        self._has_page = self._has_hinted = False
         self._signals = []
         self._stopped_at = None
         self._stopped_by = None
@@ -128,6 +136,7 @@ class Supervisor:
                 self._take_signals(roslaunch)
                 self._escalate(roslaunch)
                 self._give_notice()
+                self._give_hint()
         self._repeat_reasons()
         for channel in self._channels:
             with contextlib.suppress(OSError):
@@ -216,6 +225,12 @@ class Supervisor:
             process_tree.send(signal.SIGKILL, process_tree.descendants())
 
     def _read_line(self, line):
+        line = launch_output.plain(line)
+        if re.match(r'process\[(?!master\]|rosout-)', line):
+            self._has_page = self._has_page or line.startswith('process[web-')
+            self._hint_at = None if self._has_page else time.monotonic() + _HINT_DELAY_S
+        elif line.startswith('the page: '):
+            self._hint_at = time.monotonic()
         death = self._output.read(line)
         if death is None or self._stopped_by is not None:
             return
@@ -226,6 +241,15 @@ class Supervisor:
         elif not any(earlier.required for earlier in self._deaths):
             self._deaths.append(death)
             self._notice_at = time.monotonic() + _NOTICE_DELAY_S
+
+    def _give_hint(self):
+        """Say once, below the lines of the start, what to do with the demo."""
+        if self._has_hinted or self._stopped_at is not None or self._hint_at is None:
+            return
+        if time.monotonic() >= self._hint_at:
+            self._has_hinted = True
+            self._say(message('the ROS tools work in ./run shell, in a second terminal'))
+            self._say(message('Ctrl-C stops the demo'))
 
     def _give_notice(self):
         """Report which node has ended while the other nodes continue."""
@@ -263,6 +287,22 @@ def check_files(words):
         robot_file.read(given['urdf'])
 
 
+def check_log_folder():
+    """Raise UserError if the disk of the log is full: roslaunch and the master then print
+    hundreds of tracebacks a second.
+    """
+    home = os.environ.get('ROS_HOME') or os.path.expanduser('~/.ros')
+    folder = os.environ.get('ROS_LOG_DIR') or os.path.join(home, 'log')
+    try:
+        os.makedirs(folder, exist_ok=True)
+        with tempfile.TemporaryFile(dir=folder) as file:
+            file.write(bytes(_LOG_BYTES))
+    except OSError as error:
+        if error.errno in files.DISK_ERRORS:    # else the nodes say it, and go on without a log
+            raise UserError(message('cannot write the log in {}: {}', folder, one_line(error)),
+                            message('free some space, or set ROS_HOME to another folder'))
+
+
 def check_display():
     """Have the page in place of windows, with a line, if DISPLAY names no X server."""
     reason = display.problem() if os.environ.get('DISPLAY') else ''
@@ -278,13 +318,14 @@ def main(launch_file, *words):
     try:
         checked = Arguments(launch_file).checked(words)
         check_files(checked)
+        check_log_folder()
         check_display()
         claim = demo_master.Claim(checked)
     except (ArgumentError, UserError) as error:
         sys.stderr.write('[run] {}\n'.format(error))
         return 1
     with contextlib.closing(claim):
-        return Supervisor().run(['roslaunch', 'img_recog', 'demo.launch', *checked])
+        return Supervisor().run(['roslaunch', '--no-summary', 'img_recog', 'demo.launch', *checked])
 
 
 if __name__ == '__main__':

@@ -245,6 +245,21 @@ def test_a_given_master_of_another_demo_is_refused(run_demo, ros):
     assert interrupt(others) == 0 and first.is_running()
 
 
+def test_a_demo_without_a_page_says_what_to_do_with_it(run_demo):
+    demo = run_demo(*SMALL)
+    demo.wait_output(STARTED + r'(?s:.*)\[run\] the ROS tools work in ./run shell.*\n'
+                     r'\[run\] Ctrl-C stops the demo\n')
+    assert 'PARAMETERS' not in demo.output
+    assert interrupt(demo) == 0
+
+
+def test_nodes_say_what_they_wait_for(run_demo):
+    demo = run_demo('simulator:=false', 'camera:=none', 'use_sim_time:=true', 'teleop:=false')
+    demo.wait_output(r'\[WARN\] .*no image on /usb_cam/image_raw yet: start a camera')
+    demo.wait_output(r'\[WARN\] .*no time on /clock yet: start the simulator')
+    assert interrupt(demo) == 0
+
+
 @pytest.mark.parametrize('uri, words', [
     ('http://192.0.2.1:11311', 'no master answers at http://192.0.2.1:11311, which is not this'),
     ('http://no.such.host.invalid:11311', 'no master answers at http://no.such.host.invalid:11311'),
@@ -266,8 +281,9 @@ def test_without_the_x_server_of_display_the_page_comes_in_place_of_windows(run_
     demo = ros.start(os.path.join(ROOT, 'run'), 'demo', 'simulator:=false', *SMALL_CAMERA,
                      start_new_session=True, env=run_demo.env)
     demo.wait_output(r'\[run\] no X server can be used at DISPLAY=:4711: no windows, but the page')
-    demo.wait_output(r'the page: http://')
-    assert 'process[image_view' not in demo.output
+    demo.wait_output(r'the page: http://.*\n(?s:.*)\[run\] the ROS tools work in ./run shell.*\n'
+                     r'\[run\] Ctrl-C stops the demo\n')
+    assert 'process[image_view' not in demo.output and 'PARAMETERS' not in demo.output
     assert interrupt(demo) == 0
 
 

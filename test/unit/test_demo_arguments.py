@@ -1,6 +1,8 @@
 """What ./run demo refuses before anything starts, in one line, and its help."""
+import errno
 import os
 import shlex
+from unittest import mock
 
 import pytest
 
@@ -87,3 +89,19 @@ def test_a_file_that_roslaunch_cannot_load_is_refused_in_a_line(tmp_path, name, 
         path.write_text(content)
     assert refusal(tool('demo').check_files, ['-p', '1', '{}:={}'.format(name, path)]).startswith(
         words.replace('FILE', str(path)))
+
+
+@pytest.mark.parametrize('code', [errno.ENOSPC, errno.EDQUOT])
+def test_a_full_disk_of_the_log_is_refused_in_a_line(tmp_path, monkeypatch, code):
+    monkeypatch.setenv('ROS_LOG_DIR', str(tmp_path / 'log'))
+    demo = tool('demo')
+    demo.check_log_folder()
+    monkeypatch.setattr(demo.tempfile, 'TemporaryFile', mock.Mock(side_effect=OSError(code, 'no')))
+    assert refusal(demo.check_log_folder) == (
+        'cannot write the log in {}/log: no; free some space, or set ROS_HOME to another '
+        'folder'.format(tmp_path))
+
+
+def test_a_folder_of_the_log_that_cannot_be_made_is_left_to_the_nodes(tmp_path, monkeypatch):
+    monkeypatch.setenv('ROS_LOG_DIR', '/proc/no/log')
+    tool('demo').check_log_folder()

@@ -26,6 +26,7 @@ EXIT_NO_MASTER, EXIT_REPLACED, EXIT_SHUT_DOWN, EXIT_REFUSED = 75, 76, 77, 78
 
 END_LIMIT_S = 4.0           # of a node: rospy waits for the master without limit, then too
 _JOIN_TIMEOUT_S = 0.5
+_WAITING_S = 10.0           # after which a node says what it waits for
 _REASON_TIMEOUT_S = 5.0     # after the hooks of the node, and unregistering
 
 
@@ -59,6 +60,9 @@ def run(name: str, serve: Callable[[], None],
     limit.daemon = True
     on_shutdown(limit.start)
     master_watch.start(on_shutdown)
+    if not (source_of_time or rospy.rostime.is_wallclock()):
+        warn_later(lambda: rospy.get_rostime().is_zero(), 'no time on /clock yet: start the '
+                   'simulator, or run "rosparam set /use_sim_time false"')
     reasons: 'queue.Queue[str]' = queue.Queue()
     rospy.core.add_preshutdown_hook(reasons.put)
     signals.act_at_once(_shut_down)
@@ -135,6 +139,16 @@ def on_shutdown(hook: Callable[[], None]) -> None:
     rospy.on_shutdown(call)
     if rospy.core.is_shutdown_requested():
         call()
+
+
+def warn_later(is_waiting: Callable[[], bool], line: str) -> None:
+    """Log a warning once, if the node still waits for something when it has run for a while."""
+    def warn() -> None:
+        if is_waiting() and not rospy.core.is_shutdown_requested():
+            rospy.logwarn('%s', line)
+    timer = threading.Timer(_WAITING_S, warn)
+    timer.daemon = True
+    timer.start()
 
 
 def leave_blocked_threads(code: int) -> None:

@@ -104,6 +104,8 @@ class ColorExtract:
         Reconfigurable(settings, self._configure)
         lifecycle.on_shutdown(self._input.wake)
         NodeDiagnostics('recognition', 'none', counts.report)
+        lifecycle.warn_later(lambda: not counts.received.total, 'no image on {} yet: start a '
+                             'camera'.format(counts.topic))
 
     def spin(self) -> None:
         """Process what is left to the loop until the node is shut down."""

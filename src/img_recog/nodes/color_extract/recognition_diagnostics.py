@@ -16,6 +16,7 @@ _MAX_LATENCY_S = 60.0   # a larger one is an image with old stamps, as of a bag
 class RecognitionDiagnostics:
     """Counters of the node, and their report.
 
+    topic: of the images.
     received: images that arrived; replaced: those of them that a newer one replaced before they
     were processed; refused: those that could not be used; processed: the others.
     commands: published on cmd_vel.
@@ -28,7 +29,7 @@ class RecognitionDiagnostics:
 
         topic: of the images.
         """
-        self._topic, self._now = topic, now
+        self.topic, self._now = topic, now
         self.received, self.replaced = EventCounter(now), EventCounter(now)
         self.processed, self.commands = EventCounter(now), EventCounter(now)
         self.refused = Refusals()
@@ -61,7 +62,7 @@ class RecognitionDiagnostics:
         silent_s = self._now() - self._last_s
         if silent_s > _STALE_S:
             return DiagnosticStatus.WARN, 'no images on {} {}: start a camera'.format(
-                self._topic, 'for {:.0f} s'.format(silent_s) if self._reported else 'yet')
+                self.topic, 'for {:.0f} s'.format(silent_s) if self._reported else 'yet')
         if replaced_hz > (1 - _MIN_SHARE) * received_hz:
             return DiagnosticStatus.WARN, ('too slow: {:.1f} of {:.1f} images a second are '
                                            'processed; use a smaller image or rate'.format(
