@@ -130,6 +130,11 @@ class Labeler:
             if other.any() and code != _IGNORED:
                 raise self._contradiction(region, regions, shape, other.sum() / inside.sum())
             codes[inside] = code
+        for region in regions if (codes == _IGNORED).any() else ():
+            if region.color in self._samples.colors and (
+                    codes[self._inside(region, shape)] == _IGNORED).all():
+                raise self._error(region, 'all of it is in a part of the frame that is '
+                                  'ignored; make that part smaller, or remove this entry')
         return codes
 
     def _inside(self, region: Region, shape: Tuple[int, int]) -> np.ndarray:

@@ -63,6 +63,12 @@ def test_what_is_ignored_is_so_in_a_region_too(labels):
     assert parts(found) == {Label(COLOR, 'red', ('red',)): 16, Label(NOT, '', ('red',)): 180}
 
 
+@pytest.mark.parametrize('ignored', ['[0, 0, 20, 10]', '[2, 3, 4, 5]'])
+def test_a_sample_that_is_all_ignored_is_refused(labels, ignored):
+    assert 's.yaml: entry 1: all of it is in a part of the frame that is ignored; make' in refusal(
+        labels, '{}- {{color: ignored, rectangle: {}}}\n'.format(RED, ignored))
+
+
 def test_times_in_which_a_color_is_in_view_or_not(labels):
     text = '- {color: red, in_view: [0, 1]}\n- {color: blue, not_in_view: [0.5, 2]}\n' + BLUE
     assert parts(labels(text, 7, 0.2)) == {Label(IN_VIEW, 'red', ('red',)): 200}
