@@ -38,7 +38,7 @@ _MAX_UNSENT_BYTES = 1 << 16
 _FLUSH_TIMEOUT_S = 1.0
 # longer than roslaunch takes to say that it starts the node again
 _NOTICE_DELAY_S = 1.2
-# after roslaunch has started a node without starting another one; a page says itself when it is there
+# after roslaunch has started a node, without starting another one; a page says that it is there
 _HINT_DELAY_S = 4.0
 _WAIT_NOTICE_S = 3.0        # after Ctrl-C; normally nothing is left then
 
@@ -325,7 +325,8 @@ def main(launch_file, *words):
         sys.stderr.write('[run] {}\n'.format(error))
         return 1
     with contextlib.closing(claim):
-        return Supervisor().run(['roslaunch', '--no-summary', 'img_recog', 'demo.launch', *checked])
+        return Supervisor().run(
+            ['roslaunch', '--no-summary', 'img_recog', 'demo.launch', *checked])
 
 
 if __name__ == '__main__':

@@ -52,7 +52,8 @@ def settings_in(values: Dict[str, Any], path: str) -> RecognitionSettings:
                 raise ParameterError('{}: parameter {}: {}'.format(
                     path, shortened(name, _MAX_SHOWN), unknown_color(color, names)))
             if name not in known | others:
-                raise ParameterError('{}: {}'.format(path, unknown(name, {COLORS} | known | others)))
+                raise ParameterError('{}: {}'.format(
+                    path, unknown(name, {COLORS} | known | others)))
         return from_mapping(settings_class, values)
     except SettingError as error:
         raise ParameterError('{}: parameter {}: got {}, allowed is {}'.format(

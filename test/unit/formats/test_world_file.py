@@ -206,7 +206,8 @@ def test_textures_and_materials_of_a_urdf(read, tmp_path):
     assert warning.endswith('w.urdf: not found, drawn in another color: texture b.png')
 
 
-@pytest.mark.parametrize('name, meant', [('empy', 'empty'), ('Turtlebot3_word', 'turtlebot3_world')])
+@pytest.mark.parametrize('name, meant', [
+    ('empy', 'empty'), ('Turtlebot3_word', 'turtlebot3_world')])
 def test_a_name_that_is_similar_to_that_of_a_world_is_asked_for(name, meant):
     assert refusal(world_file.read, name, WORLDS).endswith('did you mean {}?'.format(meant))
 
