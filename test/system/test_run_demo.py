@@ -247,7 +247,8 @@ def test_a_given_master_of_another_demo_is_refused(run_demo, ros):
 
 def test_a_demo_without_a_page_says_what_to_do_with_it(run_demo):
     demo = run_demo(*SMALL)
-    demo.wait_output(STARTED + r'(?s:.*)\[run\] the ROS tools work in ./run shell.*\n'
+    demo.wait_output(STARTED)
+    demo.wait_output(r'process\[turtlebot3(?s:.*)\[run\] the ROS tools work in ./run shell.*\n'
                      r'\[run\] Ctrl-C stops the demo\n')
     assert 'PARAMETERS' not in demo.output
     assert interrupt(demo) == 0
