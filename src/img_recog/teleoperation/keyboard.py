@@ -6,7 +6,7 @@ import sys
 import termios
 import time
 import tty
-from typing import Optional
+from typing import Any, List, Optional
 
 
 class Keyboard:
@@ -21,7 +21,7 @@ class Keyboard:
 
     def __init__(self, is_in_foreground: bool):
         self._stream = sys.stdin
-        self._saved = None
+        self._saved: Optional[List[Any]] = None
         self.present = is_in_foreground
 
     def __enter__(self) -> 'Keyboard':
