@@ -117,8 +117,9 @@ class Engine:
         for path in paths:
             found = identity(path)
             if self._read.setdefault(path, read.get(path, found)) != found:
-                raise UserError('{} has changed since it was read first'.format(path), 'go on with '
-                                '--resume, which repeats what depends on the file, or start again')
+                raise UserError('{} has changed since it was read first'.format(path),
+                                'go on with --resume, which repeats what depends on the file, or '
+                                'start again')
 
     def run(self, function: Function, pieces: Sequence[Piece], unit: str = ' runs') -> Results:
         """Run `function(paths, *arguments)` for each piece; return the results.

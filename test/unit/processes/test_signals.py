@@ -51,7 +51,8 @@ def test_what_is_started_takes_no_ctrl_c_and_this_process_takes_it_afterwards():
             os.kill(os.getpid(), signal.SIGINT)
             assert signal.getsignal(signal.SIGINT) != signal.SIG_IGN
             steps.append(subprocess.run([sys.executable, '-c', (
-                'import os, signal; os.kill(os.getpid(), signal.SIGINT)')], check=False).returncode)
+                'import os, signal; os.kill(os.getpid(), signal.SIGINT)')],
+                check=False).returncode)
             process = multiprocessing.get_context('spawn').Process(
                 target=signal.raise_signal, args=(signal.SIGINT,))
             process.start()

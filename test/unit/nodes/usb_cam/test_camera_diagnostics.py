@@ -34,7 +34,8 @@ def test_rate_is_compared_with_the_expected_one(diagnostics, clock):
     assert values == {
         'device': '/dev/video5', 'format': 'synthetic scene, 64x48, 10 Hz',
         'frame rate (Hz)': '10.00', 'expected rate (Hz)': '10.00', 'frames': '50',
-        'failed reads': '0', 'frames dropped': '0', 'periods late': '0', 'losses of the device': '0',
+        'failed reads': '0', 'frames dropped': '0', 'periods late': '0',
+        'losses of the device': '0',
         'last failed read': '', 'age of a frame, mean (ms)': 'none',
         'age of a frame, max (ms)': 'none', 'publishing a frame, mean (ms)': 'none',
         'publishing a frame, max (ms)': 'none'}
