@@ -9,7 +9,7 @@ import os
 import re
 import stat
 import uuid
-from typing import Callable, Iterator, List, Optional, Sequence, Tuple
+from typing import Callable, Iterator, List, Optional, Sequence, Set, Tuple
 
 from img_recog.errors import UserError, one_line
 
@@ -20,6 +20,7 @@ _PART, _DIGITS, _SUFFIX = '.{}.{}{}', 12, '.img_recog'
 DISK_ERRORS = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO)
 # Maps the URI of a file to its path, or to None when there is no such file.
 FindFile = Callable[[str], Optional[str]]
+_noted: List[Set[str]] = []
 
 
 def plain(path: str, flags: int) -> int:
@@ -29,7 +30,19 @@ def plain(path: str, flags: int) -> int:
     if not stat.S_ISREG(mode) and not stat.S_ISDIR(mode):       # `open` refuses folders
         os.close(descriptor)
         raise UserError(path + ' is a pipe or device, not a file')
+    for paths in _noted:
+        paths.add(path)
     return descriptor
+
+
+@contextlib.contextmanager
+def noting() -> Iterator[Set[str]]:
+    """Yield a set that gets the path of each file that `plain` opens in the block."""
+    _noted.append(set())
+    try:
+        yield _noted[-1]
+    finally:
+        _noted.pop()
 
 
 def no_file(path: Optional[str]) -> str:

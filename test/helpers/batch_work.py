@@ -31,6 +31,23 @@ def square(_, number, log='') -> int:
     return number * number
 
 
+def changes(paths, number) -> int:
+    """Return the number; a file is replaced by another of the same size and time before 3."""
+    path = paths[0]
+    if number == 3:
+        status = os.stat(path)
+        with open(path + '.new', 'w') as file:
+            file.write('x' * status.st_size)
+        os.utime(path + '.new', ns=(status.st_atime_ns, status.st_mtime_ns))
+        os.replace(path + '.new', path)
+    return number
+
+
+def changes_by_itself(_, paths, number) -> int:
+    """Do the same with files that the engine does not give."""
+    return changes(paths, number)
+
+
 def crashes(paths, number, mark) -> int:
     """Return the number; each process that is asked for 3 crashes, and the first for 6 is killed.
 

@@ -8,12 +8,14 @@ import argparse
 import contextlib
 import logging
 import os
-from typing import Any, Dict, Generator, Iterator, Optional, Sequence, Tuple
+from types import MappingProxyType
+from typing import (Any, Dict, Generator, Iterable, Iterator, Mapping, Optional, Sequence,
+                    Tuple)
 
 from tqdm import tqdm
 
 from img_recog.batch.work import Done, Function, Piece, run_piece
-from img_recog.batch.work_folder import WorkFolder
+from img_recog.batch.work_folder import WorkFolder, identity, lock
 from img_recog.command_line.option_types import allowed
 from img_recog.errors import UserError
 from img_recog.processes.signals import Interrupts
@@ -53,7 +55,9 @@ class Engine:
     """Runs pieces where the options of `add_options` say, one stage after the other.
 
     The processes and the results stay until the `with` ends. The results also stay after it, for
-    options.resume, if it is left by an exception or a piece may succeed another time.
+    options.resume, if it is left by an exception or a piece may succeed another time. No other
+    Engine has the same output meanwhile. A file that changes meanwhile is a UserError: each result
+    is of the files as they were when they were first read.
     problems: why the pieces of a key cannot be used, the first reason.
     """
 
@@ -72,9 +76,11 @@ class Engine:
         self._work: Optional[WorkFolder] = None
         self._count = 0         # of pieces, of all stages
         self._is_lost = False
+        self._read: Dict[str, str] = {}     # the identity of each file when it was first read
         self.problems: Dict[str, str] = {}
 
     def __enter__(self) -> 'Engine':
+        self._lock = lock(self._folder)
         return self
 
     def __exit__(self, kind: Any, *_: Any) -> None:
@@ -85,6 +91,9 @@ class Engine:
         else:
             _log.warning('%d of %d pieces are done and kept in %s; go on with --resume', done,
                          self._count, self._folder)
+        with contextlib.suppress(OSError):      # it has results, or files of the user
+            os.rmdir(self._folder)
+        os.close(self._lock)
 
     def _forget(self) -> None:
         if self._work is not None:
@@ -99,6 +108,19 @@ class Engine:
             self._forget()
             raise
 
+    def watch(self, paths: Iterable[str],
+              read: Mapping[str, str] = MappingProxyType({})) -> None:
+        """Note files that are read from now on, or raise UserError if one has changed since then.
+
+        read: the `identity` of those that were read before.
+        """
+        for path in paths:
+            found = identity(path)
+            if self._read.setdefault(path, read.get(path, found)) != found:
+                raise UserError('{} has changed since it was read first'.format(path),
+                                'go on with --resume, which repeats what depends on the file, or '
+                                'start again')
+
     def run(self, function: Function, pieces: Sequence[Piece], unit: str = ' runs') -> Results:
         """Run `function(paths, *arguments)` for each piece; return the results.
 
@@ -111,6 +133,9 @@ class Engine:
             work.remove()
         self._work = work
         self._count += len(pieces)
+        self.watch({path for piece in pieces for path in piece.files})
+        for read in {id(piece.read): piece.read for piece in pieces}.values():
+            self.watch(read, read)
         # a piece is known by itself: several may have the same key, or results of the same name
         names = {id(piece): work.name_of(piece) for piece in pieces}
         problems: Dict[int, str] = {}
@@ -118,10 +143,11 @@ class Engine:
         with self._interrupts.deferred():   # the destructor of tqdm fails after half a constructor
             total = sum(piece.size for piece in pieces)
             progress = tqdm(total=total, initial=total - sum(piece.size for piece in waiting),
-                            unit=unit, disable=None)
+                            unit=unit, disable=None if pieces else True)
         with progress, contextlib.closing(self._done(function, waiting)) as running:
             for done in running:
                 self._is_lost = self._is_lost or done.is_lost
+                self.watch((*done.piece.files, *done.piece.read))
                 if done.problem:
                     problems[id(done.piece)] = done.problem
                 else:

@@ -32,11 +32,12 @@ def _main(words: Sequence[str], interrupts: Interrupts) -> str:
     given = _parser().parse_args(words)
     named = _named([os.path.abspath(path) for path in recording_names.expand(
         given.recordings, _log.warning)], labels.of_path)
-    sets = _color_sets(given.colors)
-    truth = _read_truth(os.path.expanduser(given.truth), named, sets) if given.truth else {}
     paths = files.output_paths(next(iter(named.values())), os.path.expanduser(given.output),
                                results.report_extensions(), 'evaluated')
     with Engine(given, interrupts, paths[0][:-len('.csv')], _log) as engine:
+        engine.watch(map(_absolute, given.colors))
+        sets = _color_sets(given.colors)
+        truth = _read_truth(os.path.expanduser(given.truth), named, sets) if given.truth else {}
         measured = _measured(engine, named, sets, given)
         remarks = {name: [part.remarks for part in parts] for name, parts in measured.items()}
         said = recorded.said(remarks, _log)
@@ -73,8 +74,12 @@ def _named(paths: Sequence[str], forms: Callable[[str], List[str]]) -> Dict[str,
     return dict(zip(labels.unique(list(map(forms, paths))), paths))
 
 
+def _absolute(path: str) -> str:
+    return os.path.abspath(os.path.expanduser(path))
+
+
 def _color_sets(paths: Sequence[str]) -> List[ColorSet]:
-    named = _named([os.path.abspath(os.path.expanduser(path)) for path in paths], labels.of_value)
+    named = _named(list(map(_absolute, paths)), labels.of_value)
     return [ColorSet(name, path, parameter_file.read(path)) for name, path in named.items()]
 
 

@@ -85,10 +85,11 @@ def _only(sweep: Sweep, given: argparse.Namespace, path: str) -> str:
 def _piece(sweep: Sweep, run: Run) -> Piece:
     """Return the piece of a run: of its values, whatever their labels are."""
     values = run.parameters
+    depends, read = sweep_run.inputs(*sweep_run.scene_of(values))
     roles = tuple(role for role in _FILE_ROLES if os.path.isabs(values.get(role) or ''))
     return Piece(run.key, (roles, Run('', {}, run.seed, values), sweep.success,
                            sweep.settings.time_limit), tuple(values[role] for role in roles),
-                 depends=sweep_run.inputs(*sweep_run.scene_of(values)))
+                 depends=depends, read=read)
 
 
 def _parser() -> argparse.ArgumentParser:

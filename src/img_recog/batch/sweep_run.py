@@ -10,6 +10,7 @@ from typing import Any, Dict, Iterable, Iterator, List, NamedTuple, Optional, Se
 
 import numpy as np
 
+from img_recog import files
 from img_recog.batch.sweep_file import Run, Success, Values, given
 from img_recog.batch.work_folder import digest, identity
 from img_recog.errors import UserError, one_line
@@ -147,22 +148,25 @@ def scene_of(values: Values) -> Tuple[str, str]:
 
 
 @functools.lru_cache(maxsize=None)      # a program reads them once
-def inputs(world: str, urdf: str) -> str:
+def inputs(world: str, urdf: str) -> Tuple[str, Dict[str, str]]:
     """Return a hash of what a world and a robot are once they are read, and of their files.
 
+    Also returns the identity of each of these files, by its path.
     world, urdf: as for scenario.build. What is included, expanded, found somewhere else, or not
     found any more makes another model, so only the files that the models name are left.
     """
-    try:
-        text = robot_file.read(urdf, '--urdf')
-        robot, file = assemble.robot_of(text, urdf), assemble.world(world, allow_partial=False)
-    except UserError as error:      # what cannot be read has no result
-        return one_line(error)
-    models = [robot.model, *(tree.model for tree in file.trees)]
-    paths = {path for model in models for named in model.files
-             for path in prepared.files_of(named)}
-    return digest((text, robot.model, file, [
+    with files.noting() as noted:
+        try:
+            text = robot_file.read(urdf, '--urdf')
+            robot, file = assemble.robot_of(text, urdf), assemble.world(world, allow_partial=False)
+        except UserError as error:      # what cannot be read has no result
+            return one_line(error), {}
+        models = [robot.model, *(tree.model for tree in file.trees)]
+        paths = {path for model in models for named in model.files
+                 for path in prepared.files_of(named)}
+    found = digest((text, robot.model, file, [
         (path, os.path.isfile(path) and identity(path)) for path in sorted(paths)]))
+    return found, {path: identity(path) for path in sorted(paths | noted)}
 
 
 def _with_paths(run: Run, roles: Tuple[str, ...], paths: Sequence[str]) -> Run:

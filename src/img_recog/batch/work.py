@@ -4,7 +4,8 @@ import ctypes
 import functools
 import os
 import tempfile
-from typing import Any, Callable, Iterator, List, NamedTuple, Sequence, Tuple
+from types import MappingProxyType
+from typing import Any, Callable, Iterator, List, Mapping, NamedTuple, Sequence, Tuple
 
 import cv2
 
@@ -26,7 +27,8 @@ class Piece(NamedTuple):
 
     key: its name in reports. arguments: of the function; plain values, tuples, dataclasses and
     arrays. files: paths of the files that the function is given. size: how many frames or runs it
-    is, for the progress. depends: a hash of what the result depends on besides.
+    is, for the progress. depends: a hash of what the result depends on besides. read: the
+    `identity` of other files that the function reads, by their paths.
     """
 
     key: str
@@ -34,6 +36,7 @@ class Piece(NamedTuple):
     files: Tuple[str, ...] = ()
     size: int = 1
     depends: str = ''
+    read: Mapping[str, str] = MappingProxyType({})
 
 
 class Done(NamedTuple):

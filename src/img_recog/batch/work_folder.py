@@ -1,5 +1,6 @@
 """The folder with the results of the pieces of a run, until all are there."""
 import contextlib
+import fcntl
 import functools
 import hashlib
 import importlib.metadata
@@ -31,7 +32,7 @@ class WorkFolder:
     That is the function, its arguments, its input files, what those are made of, this package and
     the libraries.
 
-    path: of the folder, which is made when a result is written.
+    path: of the folder, which `lock` makes.
     """
 
     def __init__(self, path: str, function: Function):
@@ -85,17 +86,45 @@ class WorkFolder:
         return sum(name.endswith(_SUFFIX) for _, _, names in os.walk(self.path) for name in names)
 
     def remove(self) -> None:
-        """Remove all results, and the folder if it has nothing else."""
+        """Remove all results."""
         for folder, folders, names in os.walk(self.path, topdown=False):
             for name in names:
                 if name.endswith(_SUFFIX):
                     os.remove(os.path.join(folder, name))
-            if not os.listdir(folder):
+            if folder != self.path and not os.listdir(folder):
                 os.rmdir(folder)
 
     def _path(self, name: str) -> str:
         # in 256 folders: atomic_write looks through all files beside the one that it writes
         return os.path.join(self.path, name[:2], name + _SUFFIX)
+
+
+def lock(path: str) -> int:
+    """Make a folder if there is none; return a descriptor that locks it until it is closed.
+
+    Raises UserError if another program has locked it, or it cannot be made.
+    """
+    while True:
+        _refuse_foreign(path)
+        try:
+            os.makedirs(path, 0o700, exist_ok=True)
+            descriptor = os.open(path, os.O_RDONLY | os.O_DIRECTORY | os.O_NOFOLLOW)
+        except FileNotFoundError:       # another program has ended meanwhile, and removed it
+            continue
+        except OSError as error:
+            raise UserError('cannot write {}: {}'.format(path, one_line(error).lower()), _ADVICE)
+        try:
+            fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except BlockingIOError:
+            os.close(descriptor)
+            raise UserError('cannot use {}: another program that runs writes its results there'
+                            .format(path), 'wait until it ends, or set --output to another')
+        except OSError:         # a file system without locks
+            pass
+        with contextlib.suppress(FileNotFoundError):
+            if os.path.samestat(os.fstat(descriptor), os.lstat(path)):
+                return descriptor
+        os.close(descriptor)
 
 
 @functools.lru_cache(maxsize=None)
@@ -130,13 +159,13 @@ def identity(path: str) -> str:
     """
     try:
         status = os.stat(path)
-        return _identity(path, status.st_mtime_ns, status.st_size)
+        return _identity(path, status.st_mtime_ns, status.st_size, status.st_ctime_ns)
     except OSError as error:
         return one_line(error)
 
 
 @functools.lru_cache(maxsize=None)      # many pieces read the same file
-def _identity(path: str, changed_ns: int, size: int) -> str:
+def _identity(path: str, changed_ns: int, size: int, _: int) -> str:
     with open(path, 'rb') as file:
         found = hashlib.sha256(file.read(2 * _END_BYTES))
         if size > 2 * _END_BYTES:

@@ -34,6 +34,9 @@ class Listener:
     def dropped(self) -> None:
         """A frame was dropped because the source exceeds its `max_hz`."""
 
+    def late(self, periods: int) -> None:
+        """A frame is late by whole periods, and with it all that follow."""
+
     def lost(self, reason: str) -> None:
         """A source gives no more frames and will be reopened; called once for each loss."""
 
@@ -189,8 +192,12 @@ class Capture:
                         self._now() - source.age_s):
                     self._listener.dropped()
                     continue
-                if self._pacer is not None and self._pause(self._pacer.delay_s(source.time_s)):
-                    break
+                if self._pacer is not None:
+                    late, delay_s = self._pacer.late, self._pacer.delay_s(source.time_s)
+                    if self._pacer.late > late:
+                        self._listener.late(self._pacer.late - late)
+                    if self._pause(delay_s):
+                        break
                 if image is not None:
                     any_frame = True
                     self._clear_lost(source)

@@ -10,17 +10,21 @@ class Pacer:
     if they have some, else multiples of the period of `rate_hz`. A frame that is late by more than
     a period delays the later ones by whole periods: there is no burst of frames.
 
+    late: number of these periods so far.
+
     >>> times_s = iter([0.0, 0.125, 0.75, 2.0])
     >>> pacer = Pacer(2.0, lambda: next(times_s))
     >>> [pacer.delay_s() for _ in range(4)]
     [0.0, 0.375, 0.25, 0.0]
+    >>> pacer.late
+    1
     """
 
     def __init__(self, rate_hz: float, now: Callable[[], float] = time.monotonic):
         self._period_s = 1.0 / rate_hz
         self._now = now
         self._start_s: Optional[float] = None       # when the time 0 is due
-        self._count = 0
+        self._count = self.late = 0
         self._time_s = self._offset_s = 0.0     # of the last frame; of the times of a film
 
     def delay_s(self, time_s: Optional[float] = None) -> float:
@@ -36,7 +40,9 @@ class Pacer:
             self._start_s = now_s - time_s
         late_s = now_s - self._start_s - time_s
         if late_s > self._period_s:
-            self._start_s += (late_s // self._period_s) * self._period_s
+            periods = int(late_s // self._period_s)
+            self._start_s += periods * self._period_s
+            self.late += periods
         return max(0.0, self._start_s + time_s - now_s)
 
     def restart(self, step_s: float) -> None:

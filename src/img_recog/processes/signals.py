@@ -42,12 +42,19 @@ def act_at_once(action: Callable[[int], None]) -> None:
 
 @contextlib.contextmanager
 def uninterrupted() -> Iterator[None]:
-    """Leave a Ctrl-C, which reaches the whole process group, to other processes."""
-    handler = signal.signal(signal.SIGINT, signal.SIG_IGN)
+    """Have threads and processes that are started in the block take no Ctrl-C.
+
+    A Ctrl-C reaches the whole process group. For this thread, the kernel keeps it until the end of
+    the block.
+    """
+    # imported here because few need it
+    from multiprocessing import resource_tracker
+    resource_tracker.ensure_running()       # its start would let the thread take signals again
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, [signal.SIGINT])
     try:
         yield
     finally:
-        signal.signal(signal.SIGINT, handler)
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)
 
 
 class Interrupts:

@@ -122,12 +122,22 @@ class BagFrames(Frames):
         return self.bag.times_ns({self.topic: self.message_type})
 
     def _messages(self) -> Iterator[Any]:
-        """Yield each message and its stamp in ns, or its time of recording if the stamp is 0."""
+        """Yield each message and its stamp in ns, or its time of recording if the stamp is 0.
+
+        An image without a stamp is not newer than the next image, if that has a stamp.
+        """
         ends = [genpy.Time(*divmod(time_ns, SECOND_NS)) for time_ns in (
             self._part.begin_ns, self._part.end_ns)] if self._part else []
+        unstamped: List[Any] = []       # the message before
         try:
             for _, msg, time, _ in self.bag.messages({self.topic: self.message_type}, *ends):
-                yield msg, (msg.header.stamp or time).to_nsec()
+                stamp_ns = msg.header.stamp.to_nsec()
+                for before, recorded_ns in unstamped:
+                    yield before, min(recorded_ns, stamp_ns or recorded_ns)
+                unstamped = [] if stamp_ns else [(msg, time.to_nsec())]
+                if stamp_ns:
+                    yield msg, stamp_ns
+            yield from unstamped
         except DAMAGE_ERRORS as error:
             raise damaged(self.path, error)
 

@@ -9,6 +9,7 @@ import numpy as np
 from img_recog.recognition.recognition_settings import Color
 from img_recog.replay.film_parts import (HISTORY_S, INK, NORMAL, SMALL, SOFT, TITLE_PX, Box,
                                          fitting_scale, put_card, put_chart, put_image, put_text)
+from img_recog.replay.plot_data import Rows
 
 Points = List[Tuple[float, float]]      # of a line: time in s, value
 
@@ -43,11 +44,12 @@ class FilmPicture:
         self._colors, self._outlines = colors, list(outlines)
         self.asked = self.driven = 0.0
         self.pose: Optional[Tuple[float, float, float]] = None
+        self._position = 0.0, 0.0       # the last one
         self.scan = np.empty((0, 2))
         self._shown = line_colors(colors)
         self._areas: Deque[tuple] = deque()
         self._speeds: Deque[tuple] = deque()
-        self._paths: List[List[Tuple[float, float]]] = []     # a new one where it was moved
+        self._paths: List[Rows] = []     # a new one where it was moved
         corners = np.concatenate(self._outlines) if self._outlines else np.zeros((1, 2))
         self._low, self._high = corners.min(axis=0), corners.max(axis=0)
         # numpy takes thirty times longer to fill an array with a color than to copy it
@@ -94,9 +96,10 @@ class FilmPicture:
                 history.popleft()
         if self.pose is not None:
             position = self.pose[:2]
-            if not self._paths or math.dist(self._paths[-1][-1], position) > _JUMP_M:
-                self._paths.append([])
-            self._paths[-1].append(position)
+            if not self._paths or math.dist(self._position, position) > _JUMP_M:
+                self._paths.append(Rows(2, 2))
+            self._paths[-1].add(position)
+            self._position = position
             self._low = np.minimum(self._low, position)
             self._high = np.maximum(self._high, position)
 
@@ -136,7 +139,7 @@ class FilmPicture:
         for point in at(self.scan):
             cv2.circle(area, tuple(int(each) for each in point), 1, _SCAN, -1)
         for path in self._paths:
-            cv2.polylines(area, [at(np.array(path))], False, _PATH, 2, cv2.LINE_AA)
+            cv2.polylines(area, [at(path.array())], False, _PATH, 2, cv2.LINE_AA)
         if self.pose is not None:
             x, y, yaw = self.pose
             turn = np.array([[math.cos(yaw), -math.sin(yaw)], [math.sin(yaw), math.cos(yaw)]])

@@ -1,5 +1,5 @@
 """Records a replay: as a bag, as a table, and as the data of the picture."""
-from typing import IO, Any, Dict, List, Mapping, Sequence
+from typing import IO, Any, List, Mapping, Sequence
 
 import genpy
 import numpy as np
@@ -11,11 +11,10 @@ from img_recog.conversions.sensor_table import SENSORS
 from img_recog.recognition.recognition_settings import Color
 from img_recog.replay.chain import (RECOGNITION, SECOND_NS, TELEOP, CommandSent, FrameResult,
                                     Recorder)
-from img_recog.replay.plot_data import PlotData
+from img_recog.replay.plot_data import SPEED, TURN, PlotData, Rows
 from img_recog.simulation.carrier import Reading
 
 RECORDED = 'odometry', 'joint_states'       # of the sensors
-_MOTION = 6             # columns of a row of the picture: time and state of the robot
 _KINDS = {kind.name: kind for kind in SENSORS}
 
 
@@ -64,6 +63,8 @@ class BagRecorder(Recorder):
     def _write(self, topic: str, msg, time_ns: int) -> None:
         # the C++ tools of rosbag skip messages that were recorded at time 0
         self._bag.write(topic, msg, _time(max(1, self._start_ns + time_ns)))
+        # what rosbag keeps of each message is to read it again, and is not in the file
+        self._bag._connection_indexes.clear()
 
 
 class TableRecorder(Recorder):
@@ -103,29 +104,26 @@ class PlotRecorder(Recorder):
 
     def __init__(self, colors: Sequence[Color]):
         self._colors = colors
-        self._rows: List[tuple] = []
-        self._sent: Dict[str, List[tuple]] = {RECOGNITION: [], TELEOP: []}
-
-    @property
-    def frames(self) -> int:
-        return len(self._rows)
+        self.frames = 0
+        # the places of the robot stay together, so that they are on its path
+        self._motion, self._areas = Rows(TURN + 1, SPEED), Rows(1 + len(colors), 1)
+        self._sent = {sender: Rows(3, 1) for sender in (RECOGNITION, TELEOP)}
 
     def on_frame(self, result: FrameResult) -> None:
-        motion = result.motion
-        self._rows.append((result.time_ns / SECOND_NS, motion.position[0], motion.position[1],
-                           motion.yaw, motion.linear[0], motion.angular[2], *result.areas_px))
+        motion, time_s = result.motion, result.time_ns / SECOND_NS
+        self.frames += 1
+        self._motion.add((time_s, motion.position[0], motion.position[1], motion.yaw,
+                          motion.linear[0], motion.angular[2]))
+        self._areas.add((time_s, *result.areas_px))
 
     def on_command(self, sent: CommandSent) -> None:
-        self._sent[sent.sender].append((sent.time_ns / SECOND_NS, *sent.command[:2]))
+        self._sent[sent.sender].add((sent.time_ns / SECOND_NS, *sent.command[:2]))
 
     def data(self, end_s: float, outlines: Sequence[np.ndarray]) -> PlotData:
         """Return the collected data; end_s, outlines: as in PlotData."""
-        rows = np.array(self._rows)
-        return PlotData(self._colors, rows[:, :_MOTION], np.delete(rows, range(1, _MOTION), 1),
-                        self._commands(RECOGNITION), self._commands(TELEOP), end_s, outlines)
-
-    def _commands(self, sender: str) -> np.ndarray:
-        return np.array(self._sent[sender]).reshape(-1, 3)
+        return PlotData(self._colors, self._motion.array(), self._areas.array(),
+                        self._sent[RECOGNITION].array(), self._sent[TELEOP].array(), end_s,
+                        outlines)
 
 
 def _time(time_ns: int) -> genpy.Time:

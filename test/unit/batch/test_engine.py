@@ -3,6 +3,7 @@ import argparse
 import contextlib
 import os
 import pickle
+import signal
 import socket
 from typing import Any, NamedTuple
 
@@ -10,7 +11,7 @@ import dask
 import pytest
 from distributed import Client, LocalCluster
 
-from img_recog.batch import work_folder
+from img_recog.batch import cluster, work_folder
 from img_recog.batch.engine import Engine
 from img_recog.batch.work import Piece
 from img_recog.processes.signals import Interrupts
@@ -128,7 +129,7 @@ def test_without_resume_all_is_done_again(run, tmp_path):
 @pytest.fixture
 def processes(two_processes, tmp_path):
     """An Engine with two processes, which stay for all tests, and where these listen."""
-    with started(tmp_path, jobs=2) as engine:
+    with started(tmp_path / 'two', jobs=2) as engine:
         yield engine, two_processes[1]
 
 
@@ -155,6 +156,62 @@ def test_a_file_that_has_changed_is_read_again(run, tmp_path):
     assert run(batch_work.count_bytes, pieces)[0].value == [3]
     path.write_text('abcd')
     assert run(batch_work.count_bytes, pieces, resume=True)[0].value == [4]
+
+
+@pytest.mark.parametrize('jobs', [1, 2])
+@pytest.mark.parametrize('is_given', [True, False])
+def test_a_file_that_changes_meanwhile_ends_the_run(run, tmp_path, is_given, jobs):
+    """is_given: to the function, which else reads it by itself."""
+    path = str(tmp_path / 'a.txt')
+    (tmp_path / 'a.txt').write_text('abc')
+    read = {} if is_given else {path: work_folder.identity(path)}
+    pieces = [Piece(str(number), (number,) if is_given else ([path], number),
+                    (path,) if is_given else (), read=read) for number in range(6)]
+    function = batch_work.changes if is_given else batch_work.changes_by_itself
+    line = refusal(run, function, pieces, jobs=jobs)
+    assert line.startswith(path + ' has changed since it was read first; go on with --resume')
+    if jobs == 1:
+        assert len(kept(tmp_path)) == 3
+
+
+def test_a_file_that_changes_between_two_stages_ends_the_run(tmp_path):
+    path = tmp_path / 'a.txt'
+    path.write_text('abc')
+    with started(tmp_path) as engine:
+        engine.watch([str(path)])
+        path.write_text('abd')
+        assert 'a.txt has changed since' in refusal(
+            engine.run, batch_work.count_bytes, [Piece('1', (1,), (str(path),))])
+
+
+def test_two_runs_do_not_have_one_output(run, tmp_path):
+    pieces = numbers(str(tmp_path), count=2)
+    with started(tmp_path) as engine:
+        first = engine.run(batch_work.square, pieces)
+        line = refusal(run, batch_work.square, pieces)
+        assert line == ('cannot use {}: another program that runs writes its results there; wait '
+                        'until it ends, or set --output to another').format(tmp_path / 'x.work')
+        assert [value for _, value in first] == [0, 1]
+    assert [each.value for each in run(batch_work.square, pieces)] == [0, 1]
+    assert sorted(os.listdir(str(tmp_path))) == ['0', '1']
+
+
+def test_a_ctrl_c_while_processes_start_is_not_lost(run, tmp_path, monkeypatch):
+    start = cluster.SpecCluster
+
+    def interrupted(*args, **options):
+        os.kill(os.getpid(), signal.SIGINT)
+        return start(*args, **options)
+    monkeypatch.setattr(cluster, 'SpecCluster', interrupted)
+    with pytest.raises(KeyboardInterrupt):
+        run(batch_work.square, numbers(str(tmp_path)), jobs=2)
+    assert os.listdir(str(tmp_path)) == []
+
+
+def test_without_pieces_there_is_no_progress(run, capsys, monkeypatch):
+    monkeypatch.setattr('sys.stderr.isatty', lambda: True, raising=False)
+    run(batch_work.square, [])
+    assert capsys.readouterr().err == ''
 
 
 def test_results_of_other_versions_are_made_again(interrupted, tmp_path, monkeypatch):

@@ -55,9 +55,18 @@ def folder(tmp_path, monkeypatch):
 
 def digest():
     sweep_run.inputs.cache_clear()       # as another program
-    found = sweep_run.inputs('w.world', 'r.urdf.xacro')
+    found, _ = sweep_run.inputs('w.world', 'r.urdf.xacro')
     assert re.fullmatch('[0-9a-f]{64}', found)      # else it says why nothing was read
     return found
+
+
+def test_all_files_that_are_read_are_named(folder):
+    digest()
+    found = sweep_run.inputs('w.world', 'r.urdf.xacro')[1]
+    names = {os.path.basename(path) for path in found}
+    assert names == {'r.urdf.xacro', 'base.xacro', 'model.sdf', 'wall.obj', 'wall.mtl', 'wall.png',
+                     'painted.obj', 'paint.material', 'part.obj'}
+    assert found == {path: work_folder.identity(path) for path in found}
 
 
 def write(folder, name, old, new):
@@ -107,7 +116,7 @@ def test_a_model_that_is_found_earlier(folder):
 
 
 def test_robots_and_worlds_of_this_package(folder):
-    digests = {sweep_run.inputs(world, BURGER) for world in ('empty', 'color_posts')}
+    digests = {sweep_run.inputs(world, BURGER)[0] for world in ('empty', 'color_posts')}
     assert len(digests | {digest()}) == 3
 
 

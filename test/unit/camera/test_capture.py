@@ -62,7 +62,7 @@ class Recorder(Listener):
 
     skipped, dropped = partialmethod(record, 'skipped'), partialmethod(record, 'dropped')
     lost, reconnected = partialmethod(record, 'lost'), partialmethod(record, 'reconnected')
-    ended = partialmethod(record, 'ended')
+    ended, late = partialmethod(record, 'ended'), partialmethod(record, 'late')
 
     def names(self):
         return [call[0] for call in self.calls]
@@ -142,6 +142,14 @@ def test_subscribers_get_a_frame_before_the_next_one_is_decoded(clock):
     assert begins == [0.0, 0.015625 + 0.03125, 0.140625 + 0.03125, 0.265625, 0.390625, 0.515625]
     assert [call[1] for call in rig.listener.calls if call[0] == 'frame'] == [
         0.015625 + 0.125 * number for number in range(6)]
+
+
+def test_frames_that_are_late_are_counted_in_periods(clock):
+    # each takes two and a half periods of 0.125 s
+    rig = Rig(clock, video(*[0.3125] * 3, SourceError('end')))
+    calls = rig.run()
+    assert [call[1] for call in calls if call[0] == 'late'] == [1, 2]
+    assert rig.listener.names().count('frame') == 3
 
 
 @pytest.mark.parametrize('between, waits', [

@@ -1,4 +1,5 @@
 """Interrupts: signals that this process sends to itself."""
+import multiprocessing
 import os
 import signal
 import subprocess
@@ -6,7 +7,7 @@ import sys
 
 import pytest
 
-from img_recog.processes.signals import Interrupts
+from img_recog.processes.signals import Interrupts, uninterrupted
 
 pytestmark = pytest.mark.usefixtures('handlers_as_before')
 SIGNALS = signal.SIGINT, signal.SIGTERM, signal.SIGHUP
@@ -41,6 +42,25 @@ def test_a_deferred_signal_is_raised_at_the_end(signum):
     assert steps == ['none', 'deferred']
     with pytest.raises((KeyboardInterrupt, SystemExit)):
         send(signum)
+
+
+def test_what_is_started_takes_no_ctrl_c_and_this_process_takes_it_afterwards():
+    interrupts, steps = Interrupts(), []
+    with pytest.raises(KeyboardInterrupt):
+        with interrupts.deferred(), uninterrupted():
+            os.kill(os.getpid(), signal.SIGINT)
+            assert signal.getsignal(signal.SIGINT) != signal.SIG_IGN
+            steps.append(subprocess.run([sys.executable, '-c', (
+                'import os, signal; os.kill(os.getpid(), signal.SIGINT)')],
+                check=False).returncode)
+            process = multiprocessing.get_context('spawn').Process(
+                target=signal.raise_signal, args=(signal.SIGINT,))
+            process.start()
+            process.join()
+            steps.append(process.exitcode)
+    assert steps == [0, 0]
+    with pytest.raises(KeyboardInterrupt):
+        send(signal.SIGINT)
 
 
 def test_an_error_while_deferred_is_raised_first():

@@ -101,6 +101,16 @@ def test_bag_stamps_of_zero_are_replaced_by_the_time_of_recording(make_bag):
     assert [frame.stamp_ns for frame in frames] == [7 * 10 ** 9, 8 * 10 ** 9, 9 * 10 ** 9]
 
 
+@pytest.mark.parametrize('stamps_ns, times_ns', [
+    ((0, 1, 2), [1, 1, 2]),             # simulated time was 0 until then
+    ((9 * 10 ** 9, 0, 10 ** 10), [9 * 10 ** 9, 93 * 10 ** 8, 10 ** 10])])
+def test_an_image_without_a_stamp_is_not_newer_than_the_next_one(make_bag, stamps_ns, times_ns):
+    entries = [(RAW, raw(number, 0), 9.3) for number in range(3)]
+    for (_, msg, _), stamp_ns in zip(entries, stamps_ns):
+        msg.header.stamp = rospy.Time(*divmod(stamp_ns, 10 ** 9))
+    assert [frame.stamp_ns for frame in BagFrames(make_bag(*entries))] == times_ns
+
+
 def test_bag_choice_of_topic(make_bag):
     path = make_bag((RAW, raw(0, 1), 1), (COMPRESSED, compressed(0, 1), 1), ('/z', raw(0, 1), 1))
     assert BagFrames(path).topic == RAW

@@ -3,6 +3,7 @@ import csv
 import functools
 import io
 import math
+import tracemalloc
 
 import numpy as np
 import pytest
@@ -12,7 +13,7 @@ from img_recog.command_line import results
 from img_recog.conversions import color_detection_msgs, robot_msgs, twist_msgs
 from img_recog.recognition.commands import Command
 from img_recog.recognition.recognition_settings import with_colors
-from img_recog.replay import figure
+from img_recog.replay import figure, plot_data
 from img_recog.replay.chain import Chain, ColorRecognition, CommandSent, FrameResult
 from img_recog.replay.recorders import BagRecorder, PlotRecorder, TableRecorder
 from img_recog.simulation.physics.body import Motion
@@ -150,6 +151,46 @@ def test_data_of_the_picture_are_pose_velocities_and_areas():
     assert plot.frames == 1
     assert data.motion.tolist() == [[0.5, 1.0, 2.0, pytest.approx(0.8), 4.0, 9.0]]
     assert data.areas.tolist() == [[0.5, 10.0, 11.0]]
+
+
+STILL = Motion(np.zeros(3), (0.0, 0.0, 0.0, 1.0), np.zeros(3), np.zeros(3))
+
+
+def record(recorder, numbers):
+    """Have a recorder note a frame and a command for each number."""
+    seen = frame(0, 0)
+    for number in numbers:
+        time_ns = number * PERIOD_NS
+        moved = STILL._replace(position=np.array((number, -number, 0.0)))
+        recorder.on_frame(FrameResult(seen, time_ns, [number % 1000, 0], [None, None], [], moved))
+        recorder.on_command(CommandSent(time_ns, Command(number % 2, 0.0), 'teleop'))
+
+
+@pytest.mark.parametrize('make', [
+    lambda path: BagRecorder(open(path, 'wb+'), ['blue', 'red'], {}),
+    lambda path: PlotRecorder(with_colors()().colors)])
+def test_memory_does_not_grow_with_the_number_of_frames(tmp_path, make):
+    recorder, count = make(str(tmp_path / 'a.bag')), plot_data.MAX_ROWS
+    record(recorder, range(count))
+    tracemalloc.start()
+    record(recorder, range(count, 3 * count))
+    grown, _ = tracemalloc.get_traced_memory()
+    tracemalloc.stop()
+    assert grown < 2000000      # 60 bytes a frame, and the chunk that is written
+
+
+def test_a_long_drive_keeps_its_extremes_and_its_path(monkeypatch):
+    monkeypatch.setattr(plot_data, 'MAX_ROWS', 64)
+    plot = PlotRecorder(with_colors()().colors)
+    record(plot, range(5000))
+    data = plot.data(200.0, [])
+    for rows in (data.motion, data.areas, data.idle):
+        assert 32 <= len(rows) <= 64 + 5000 / 16
+        assert rows[0, 0] == 0.0 and rows[-1, 0] == 4999 * 0.04 and (np.diff(rows[:, 0]) > 0).all()
+        assert np.diff(rows[:, 0]).max() < 200 / 16
+    assert (data.motion[:, 1] == -data.motion[:, 2]).all()      # on its path
+    assert data.areas[:, 1].min() == 0 and data.areas[:, 1].max() == 999
+    assert set(data.idle[:, 1]) == {0.0, 1.0} and plot.frames == 5000
 
 
 def test_a_number_that_is_rounded_to_zero_has_no_sign():

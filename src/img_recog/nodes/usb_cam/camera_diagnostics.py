@@ -10,13 +10,16 @@ from img_recog.ros.diagnostics import WINDOW_S, EventCounter, Durations, Refusal
 
 _MIN_SHARE = 0.8        # of the expected rate: below is a warning
 _MIN_MEASURED_S = 0.5
+# a source that the node reads at a rate; a device gives frames by itself
+_LATE = 'the frames are late; a smaller image, a lower rate or fewer subscribers may help'
+_DARK = 'more light, a smaller image or fewer subscribers may help'
 
 
 class CameraDiagnostics:
     """Counts frames, and reports the counts and the rate.
 
     frames: that were published. skipped: those that could not be used. dropped: those that were
-    dropped to keep the rate.
+    dropped to keep the rate. late: periods by which frames came later than the source says.
     ages: of the frames when they are captured, where the source knows it.
     publishing: how long it takes to publish a frame.
     """
@@ -25,6 +28,7 @@ class CameraDiagnostics:
         self._device = device
         self._source: Optional[FrameSource] = None
         self.frames, self.dropped, self.skipped = EventCounter(now), EventCounter(now), Refusals()
+        self.late = EventCounter(now)
         self.ages, self.publishing = Durations(), Durations()
         self._lost: Optional[str] = None
         self._losses, self._active = 0, False
@@ -62,6 +66,7 @@ class CameraDiagnostics:
                    else 'unknown')
         for name, count in (('frames', self.frames.total), ('failed reads', self.skipped.total),
                             ('frames dropped', self.dropped.total),
+                            ('periods late', self.late.total),
                             ('losses of the device', self._losses)):
             status.add(name, str(count))
         status.add('last failed read', self.skipped.last_reason)
@@ -82,9 +87,8 @@ class CameraDiagnostics:
         if rate_hz == 0:
             return DiagnosticStatus.WARN, 'no frames: check the camera and its cable'
         if expected_hz and rate_hz < _MIN_SHARE * expected_hz:
-            return DiagnosticStatus.WARN, ('{:.1f} Hz instead of {:g} Hz: more light, a smaller '
-                                           'image or fewer subscribers may help'.format(
-                                               rate_hz, expected_hz))
+            return DiagnosticStatus.WARN, '{:.1f} Hz instead of {:g} Hz: {}'.format(
+                rate_hz, expected_hz, _LATE if self._source and self._source.rate_hz else _DARK)
         return DiagnosticStatus.OK, '{:.1f} Hz'.format(rate_hz)
 
     def _rate_hz(self) -> Optional[float]:

@@ -6,7 +6,8 @@ it has a subscriber) and ~camera_info (sensor_msgs/CameraInfo), at the rate of t
 frame camera_frame_id; /diagnostics (diagnostic_msgs/DiagnosticArray) at 1 Hz;
 ~parameter_descriptions and ~parameter_updates (dynamic_reconfigure), also in
 ~image_raw/compressed.
-Subscribes to nothing. Serves: ~start_capture, ~stop_capture (std_srvs/Empty), ~set_camera_info
+Subscribes to /clock (rosgraph_msgs/Clock) until the first message, if /use_sim_time is set.
+Serves: ~start_capture, ~stop_capture (std_srvs/Empty), ~set_camera_info
 (sensor_msgs/SetCameraInfo), ~set_parameters (dynamic_reconfigure). Reads: the fields of
 UsbCamSettings and ControlSettings and intrinsic_controls as private parameters, those of
 CompressionSettings in ~image_raw/compressed.
@@ -17,7 +18,9 @@ from typing import List, Optional, Set
 
 import numpy as np
 import rospy
+from diagnostic_msgs.msg import DiagnosticStatus
 from diagnostic_updater import DiagnosticStatusWrapper
+from rosgraph_msgs.msg import Clock
 from sensor_msgs.msg import CameraInfo
 from std_msgs.msg import Header
 from std_srvs.srv import Empty, EmptyRequest, EmptyResponse
@@ -43,6 +46,9 @@ from img_recog.ros.transport.image_publisher import ImagePublisher
 
 _CHECK_PERIOD_S = 0.2
 _FLUSH_S = 0.3
+_CLOCK_CHECKS = 50      # after which the log says that the clock is missing
+_NO_CLOCK = ('the time is unknown: there is no message on /clock; start the simulator, or set '
+             '/use_sim_time to false and start the camera again')
 # read by diagnostic_updater, by CompressedImages (a namespace), and here separately
 _FOREIGN_PARAMETERS = ('diagnostic_period', 'image_raw', 'intrinsic_controls')
 
@@ -69,7 +75,7 @@ class UsbCam(Listener):
         self._warned: Set[str] = set()
         self._failure: Optional[Exception] = None
         self.is_blocked = False
-        self._opened_or_ended, self._ended = threading.Event(), threading.Event()
+        self._opened_or_ended, self._ended, self._clock = (threading.Event() for _ in range(3))
         lifecycle.on_shutdown(self._end)
         self._images = ImagePublisher('~image_raw')
         self._compressed = CompressedImages('~image_raw')
@@ -123,6 +129,21 @@ class UsbCam(Listener):
         self._calibration.set_image_size(source.width, source.height)
         self._diagnostics.opened(source)
         self._opened_or_ended.set()
+        if self._is_clock_missing():
+            self._wait_for_clock()
+
+    def _is_clock_missing(self) -> bool:
+        return not (self._clock.is_set() or rospy.rostime.is_wallclock())
+
+    def _wait_for_clock(self) -> None:
+        """Wait for the first message on /clock: before it, the stamps of all images are 0."""
+        clock = rospy.Subscriber('/clock', Clock, lambda _: self._clock.set(), queue_size=1)
+        checks = 0
+        while not self._clock.wait(_CHECK_PERIOD_S) and not self._ended.is_set():
+            checks += 1
+            if checks == _CLOCK_CHECKS:
+                rospy.logwarn('camera: %s', _NO_CLOCK)
+        clock.unregister()
 
     def resized(self, source: FrameSource) -> None:
         self._warn('camera: from here on, %s is %dx%d: the images have this size, too',
@@ -149,6 +170,9 @@ class UsbCam(Listener):
 
     def dropped(self) -> None:
         self._diagnostics.dropped.add()
+
+    def late(self, periods: int) -> None:
+        self._diagnostics.late.add(periods)
 
     def lost(self, reason: str) -> None:
         self._diagnostics.lost(reason)
@@ -180,6 +204,8 @@ class UsbCam(Listener):
 
     def _report(self, status: DiagnosticStatusWrapper) -> None:
         self._diagnostics.report(status)
+        if self._is_clock_missing():
+            status.summary(DiagnosticStatus.WARN, _NO_CLOCK)
         add_counter(status, 'compressed images', self._compressed.sent)
         status.add('frames not compressed', str(self._compressed.dropped.total))
 

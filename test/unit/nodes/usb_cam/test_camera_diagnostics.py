@@ -34,7 +34,8 @@ def test_rate_is_compared_with_the_expected_one(diagnostics, clock):
     assert values == {
         'device': '/dev/video5', 'format': 'synthetic scene, 64x48, 10 Hz',
         'frame rate (Hz)': '10.00', 'expected rate (Hz)': '10.00', 'frames': '50',
-        'failed reads': '0', 'frames dropped': '0', 'losses of the device': '0',
+        'failed reads': '0', 'frames dropped': '0', 'periods late': '0',
+        'losses of the device': '0',
         'last failed read': '', 'age of a frame, mean (ms)': 'none',
         'age of a frame, max (ms)': 'none', 'publishing a frame, mean (ms)': 'none',
         'publishing a frame, max (ms)': 'none'}
@@ -47,6 +48,15 @@ def test_rate_that_is_too_low_is_a_warning(diagnostics, clock):
     level, message, _ = run(diagnostics, clock, 5, 0)
     assert level == DiagnosticStatus.WARN and message.startswith('no frames: ')
     assert run(diagnostics, clock, 5, 10)[:2] == (DiagnosticStatus.OK, '10.0 Hz')
+
+
+def test_frames_that_the_node_reads_too_late_are_said_to_be_late(diagnostics, clock):
+    run(diagnostics, clock, 3, 10)
+    diagnostics.late.add(4)
+    level, message, values = run(diagnostics, clock, 5, 6)
+    assert (level, message, values['periods late']) == (
+        DiagnosticStatus.WARN, '6.0 Hz instead of 10 Hz: the frames are late; a smaller image, a '
+        'lower rate or fewer subscribers may help', '4')
 
 
 def test_lost_device_is_an_error_until_it_is_back(diagnostics, clock):
