@@ -46,7 +46,6 @@ from img_recog.ros.transport.image_publisher import ImagePublisher
 
 _CHECK_PERIOD_S = 0.2
 _FLUSH_S = 0.3
-_CLOCK_CHECKS = 50      # after which the log says that the clock is missing
 _NO_CLOCK = ('the time is unknown: there is no message on /clock; start the simulator, or set '
              '/use_sim_time to false and start the camera again')
 # read by diagnostic_updater, by CompressedImages (a namespace), and here separately
@@ -138,11 +137,8 @@ class UsbCam(Listener):
     def _wait_for_clock(self) -> None:
         """Wait for the first message on /clock: before it, the stamps of all images are 0."""
         clock = rospy.Subscriber('/clock', Clock, lambda _: self._clock.set(), queue_size=1)
-        checks = 0
         while not self._clock.wait(_CHECK_PERIOD_S) and not self._ended.is_set():
-            checks += 1
-            if checks == _CLOCK_CHECKS:
-                rospy.logwarn('camera: %s', _NO_CLOCK)
+            pass
         clock.unregister()
 
     def resized(self, source: FrameSource) -> None:
