@@ -133,9 +133,8 @@ class Settings:
     def __post_init__(self):
         for field in setting_fields(type(self)):
             value = getattr(self, field.name)
-            if self.is_like_roscpp:
-                value = _as_roscpp(field, value)
-            object.__setattr__(self, field.name, _checked(field, value))
+            object.__setattr__(self, field.name, _checked(
+                field, _as_roscpp(field, value) if self.is_like_roscpp else value))
 
 
 SettingsType = TypeVar('SettingsType', bound=Settings)
@@ -189,11 +188,9 @@ def computable(value: float) -> float:
 def _as_roscpp(field: dataclasses.Field, value: Any) -> Any:
     """Return what roscpp makes of a value; a number that no int holds may be returned as it is."""
     kind = field.metadata['kind']
-    if kind is int and type(value) is float:
-        if not abs(value) <= _MAX_INT:
-            return value
+    if kind is int and type(value) is float and abs(value) <= _MAX_INT:
         return math.floor(value) if math.fmod(value, 1.0) < 0.5 else math.ceil(value)
-    is_usable = type(value) is kind or (kind is float and type(value) in (int, str))
+    is_usable = (type(value), kind) in ((kind, kind), (float, int), (int, float), (str, float))
     return value if is_usable else field.default
 
 

@@ -2,7 +2,6 @@
 
 The messages are like those of compressed_image_transport.
 """
-import re
 from dataclasses import dataclass
 from typing import ClassVar, List
 
@@ -20,8 +19,6 @@ from img_recog.settings import Settings, clamped, one_of, setting
 
 _PIXEL_SHAPES = {'mono8': (), 'bgr8': (3,), 'rgb8': (3,)}
 _COLOR_PREFIXES = ('rgb', 'bgr')
-# the encodings that can be compressed, and their bits
-_BITS = re.compile(r'(?:rgba?|bgra?|mono|bayer_[bgr]{4})(8|16)|(8|16)[US]C\d*')
 _FORMATS = one_of('jpeg', 'png')
 
 
@@ -59,12 +56,10 @@ def to_msg(image: np.ndarray, encoding: str, header: Header,
     try:
         if not _FORMATS.accepts(settings.format):
             raise ValueError('the format has to be {}'.format(_FORMATS.text))
-        bits = _BITS.fullmatch(encoding)
-        if bits is None:
-            raise ValueError('the encoding is not one of 8 or 16 bits')
-        target = ''
-        if encoding.startswith(_COLOR_PREFIXES):
-            target = 'bgr8' if settings.format == 'jpeg' else 'bgr' + bits.group(1)
+        if image.dtype.itemsize > 2:
+            raise ValueError('its values have more than 16 bits')
+        bits = 8 * image.dtype.itemsize if settings.format == 'png' else 8
+        target = 'bgr{}'.format(bits) if encoding.startswith(_COLOR_PREFIXES) else ''
         pixels = _converted(image, encoding, target)
         encoded, data = cv2.imencode('.' + settings.format, pixels, _encoder_flags(settings))
         if not encoded:

@@ -5,7 +5,7 @@ from typing import Any, Callable, Iterable, List, Mapping, Type
 
 import rospy
 
-from img_recog.errors import one_line, shortened
+from img_recog.errors import one_line
 from img_recog.settings import (ParameterError, SettingError, Settings, SettingsType, allowed_text,
                                 from_mapping, setting_fields, unknown)
 
@@ -38,9 +38,8 @@ def read(settings_class: Type[SettingsType],
     for field in setting_fields(settings_class) if settings.is_like_roscpp else ():
         used = getattr(settings, field.name)
         if own.get(field.name, used) != used:
-            rospy.logwarn('parameter %s: got %s, allowed is %s; using %r',
-                          _name_in(namespace, field.name), shortened(repr(own[field.name])),
-                          allowed_text(field), used)
+            error = SettingError(_name_in(namespace, field.name), own[field.name], allowed_text(field))
+            rospy.logwarn('parameter %s; using %r', error, used)
     return settings
 
 

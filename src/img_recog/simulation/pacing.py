@@ -23,7 +23,7 @@ class Pace:
         self.is_paused, self.measured = False, 0.0
         self._now = now
         self._since_s, self._simulated_s = now(), 0.0
-        self._slow = self._fast = 0     # measurements in a row
+        self._row = 0       # measurements in a row that were too slow; negative: that were not
         self._reported_s, self._reported = -math.inf, math.inf
         self.set_wanted(real_time_factor)
 
@@ -68,8 +68,8 @@ class Pace:
         self.measured = self._simulated_s / passed_s
         self._since_s, self._simulated_s = self._now(), 0.0
         is_slow = self.measured < _MIN_SHARE * self.wanted and not self._is_disturbed
-        self._slow = self._slow + 1 if is_slow else 0
-        self._fast = 0 if is_slow or self._is_disturbed else self._fast + 1
+        self._row = max(0, self._row) + 1 if is_slow else (
+            0 if self._is_disturbed else min(0, self._row) - 1)
         self._is_disturbed = False
         return self.measured
 
@@ -79,11 +79,11 @@ class Pace:
         It is too slow at first, when it gets worse, and rarely.
         """
         now_s = self._now()
-        if self._slow >= _SLOW_COUNT and (now_s >= self._reported_s + _REPORT_PERIOD_S
-                                          or self.measured <= _WORSE * self._reported):
+        if self._row >= _SLOW_COUNT and (now_s >= self._reported_s + _REPORT_PERIOD_S
+                                         or self.measured <= _WORSE * self._reported):
             self._reported_s, self._reported = now_s, self.measured
             return True
-        if self._fast >= _FAST_COUNT and self._reported < math.inf:
+        if self._row <= -_FAST_COUNT and self._reported < math.inf:
             self._reported_s, self._reported = -math.inf, math.inf
             return False
         return None

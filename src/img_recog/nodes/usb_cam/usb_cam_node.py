@@ -91,6 +91,7 @@ class UsbCam(Listener):
                           rospy.resolve_name('~start_capture'))
         else:
             self._capture.start()
+            self._diagnostics.set_active(True)
             # a signal that another thread takes does not end a wait without a timeout
             while not self._opened_or_ended.wait(_CHECK_PERIOD_S):
                 pass
