@@ -154,8 +154,8 @@ class Parameter(NamedTuple):
 def parameters(node: Node) -> Dict[str, Parameter]:
     """Return the parameters of a node, by name."""
     return {field.name: Parameter(field.name, _shown(field.default), allowed_text(field))
-        for settings in node.settings for field in dataclasses.fields(settings)
-        if 'allowed' in field.metadata}
+            for settings in node.settings for field in dataclasses.fields(settings)
+            if 'allowed' in field.metadata}
 
 
 def _rows(of_row: Iterable[Parameter], meaning: str) -> Iterator[str]:

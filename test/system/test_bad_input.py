@@ -43,7 +43,8 @@ def test_one_line_names_it(roscore, script, arguments, named, advice):
 
 def test_values_of_another_type_leave_the_defaults_of_usb_cam_with_a_line_each(roscore):
     roscore.set_parameters('/usb_cam')
-    roscore.set_parameters('/usb_cam/image_raw/compressed', {'jpeg_quality': 200, 'png_level': '1'})
+    roscore.set_parameters('/usb_cam/image_raw/compressed',
+                           {'jpeg_quality': 200, 'png_level': '1'})
     camera = roscore.start_node('usb_cam_node.py', '_video_device:=synthetic', '_framerate:=10',
                                 '_camera_name:=5', '_autofocus:=1', '_brightness:=1.5')
     for line in ("/camera_name: got 5, allowed is a name .*; using 'head_camera'",

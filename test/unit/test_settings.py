@@ -122,7 +122,8 @@ class LikeRoscpp(Settings):
 @pytest.mark.parametrize('name, value, used', [
     ('quality', 200, 100), ('quality', 75.6, 76), ('quality', 75.5, 76), ('quality', 75.4, 75),
     ('quality', 0, 1), ('quality', '75', 80), ('quality', True, 80), ('quality', [75], 80),
-    ('quality', -0.4, 1), ('quality', math.nan, 1), ('quality', 1e10, 1), ('quality', -math.inf, 1),
+    ('quality', -0.4, 1), ('quality', math.nan, 1), ('quality', 1e10, 1),
+    ('quality', -math.inf, 1),
     ('width', 639.5, 640), ('width', '320', 640), ('width', 320.0, 320),
     ('rate', 15, 15.0), ('rate', '1e1', 10.0), ('rate', False, 30.0), ('rate', [1.0], 30.0),
     ('flag', 0, True), ('flag', 0.0, True), ('flag', 'false', True), ('flag', False, False),

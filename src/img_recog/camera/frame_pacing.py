@@ -48,8 +48,8 @@ class FrameTimes:
     """Times of the frames of a film, from those that its decoder gives, if it gives any.
 
     A time within 1 ms of the multiple of the period is this multiple: containers round to 1 ms. A
-    decoder time that does not increase, or jumps by more than the longest step, by default an hour,
-    counts as none: the frame then follows the one before as that has followed its own.
+    decoder time that does not increase, or jumps by more than the longest step, by default an
+    hour, counts as none: the frame then follows the one before as that has followed its own.
 
     step_s: between the last two frames; before, the stated period, 0 if there is none.
     longest_step_s: the longest so far.

@@ -102,6 +102,7 @@ class StreamSource(FrameSource):
     """
 
     reconnects = True
+    stall_timeout_s: float
 
     def __init__(self, name: str, decoder: Decoder, announces_rate: bool = False,
                  now: Callable[[], float] = time.monotonic,

@@ -38,8 +38,8 @@ def read(settings_class: Type[SettingsType],
     for field in setting_fields(settings_class) if settings.is_like_roscpp else ():
         used = getattr(settings, field.name)
         if own.get(field.name, used) != used:
-            error = SettingError(_name_in(namespace, field.name), own[field.name], allowed_text(field))
-            rospy.logwarn('parameter %s; using %r', error, used)
+            rospy.logwarn('parameter %s; using %r', SettingError(
+                _name_in(namespace, field.name), own[field.name], allowed_text(field)), used)
     return settings
 
 

@@ -86,8 +86,9 @@ class Reconfigurable(Server, Generic[SettingsType]):
             if type(each.value) is kind or (kind is float and type(each.value) is int):
                 values[each.name] = each.value
             else:
-                self._log_refusal(SettingError(each.name, each.value, allowed_text(
-                    field) if field else 'one of the parameters ' + ', '.join(fields)), 'it is not')
+                allowed = 'one of the parameters ' + ', '.join(fields)
+                self._log_refusal(SettingError(
+                    each.name, each.value, allowed_text(field) if field else allowed), 'it is not')
         return encode_config(self.update_configuration(values))
 
     def _apply(self, config: Config, _level: int) -> Config:

@@ -127,8 +127,9 @@ def test_error_of_data_that_cannot_be_decoded_is_one_line(data):
 
 @pytest.mark.parametrize('image, encoding', [
     (NOISE, 'mono8'), (GREY, 'rgb8'), (GREY, 'bgr8'), (NOISE[..., :2], 'bgr8'),
-    (NOISE, 'bayer_rggb8'), (NOISE, ''), (WIDE, 'rgb8'), (GREY, 'mono16'),
-    (GREY.astype(np.float32), '32FC1'), (NOISE[..., :2], 'yuv422'), (NOISE[..., :2], '8UC2'), (NOISE[:0], 'bgr8')])
+    (NOISE, 'bayer_rggb8'), (NOISE, ''), (WIDE, 'rgb8'),
+    (GREY, 'mono16'), (GREY.astype(np.float32), '32FC1'), (NOISE[..., :2], 'yuv422'),
+    (NOISE[..., :2], '8UC2'), (NOISE[:0], 'bgr8')])
 @pytest.mark.parametrize('settings', [CompressionSettings(), PNG], ids=['jpeg', 'png'])
 def test_error_of_an_image_that_cannot_be_compressed_is_one_line(image, encoding, settings):
     with pytest.raises(ImageError, match=r'encoding {!r} as {}'.format(

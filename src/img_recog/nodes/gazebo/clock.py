@@ -46,5 +46,4 @@ class SimulatedClock:
                           'behind, no step is skipped; the factor is %.2f now',
                           self._pace.wanted, self._pace.measured)
         elif is_slow is not None:
-            rospy.loginfo('simulated time keeps up again: the factor is %.2f now',
-                          self._pace.measured)
+            rospy.loginfo('simulated time keeps up again, the factor is %.2f', self._pace.measured)
