@@ -3,8 +3,8 @@ import contextlib
 import dataclasses
 import math
 from types import MappingProxyType
-from typing import (Any, Callable, Iterable, Iterator, Mapping, NamedTuple, Optional, Tuple, Type,
-                    TypeVar)
+from typing import (Any, Callable, ClassVar, Iterable, Iterator, Mapping, NamedTuple, Optional,
+                    Tuple, Type, TypeVar)
 
 from img_recog.errors import UserError, shortened, suggestion
 
@@ -34,7 +34,7 @@ class Allowed(NamedTuple):
 
     text: describes them in error messages; accepts: returns whether a value is one of them.
     low, high: lower and upper bound, None for no bound; choices: the accepted strings, if they
-    are a fixed list.
+    are a fixed list. is_clamped: whether a number beyond a bound becomes the bound.
     """
 
     text: str
@@ -42,6 +42,7 @@ class Allowed(NamedTuple):
     low: Optional[float] = None
     high: Optional[float] = None
     choices: Tuple[str, ...] = ()
+    is_clamped: bool = False
 
 
 def at_least(low: float) -> Allowed:
@@ -58,6 +59,11 @@ def between(low: float, high: float) -> Allowed:
     """Accept numbers from `low` to `high`, both included."""
     return Allowed('from {} to {}'.format(_bound(low), _bound(high)),
                    lambda value: low <= value <= high, low, high)
+
+
+def clamped(low: int, high: int) -> Allowed:
+    """Use the nearest whole number from `low` to `high`, as a node in C++ does it."""
+    return between(low, high)._replace(is_clamped=True)
 
 
 def _bound(value: float) -> str:
@@ -116,12 +122,19 @@ def _field(default: Any, value_type: type, allowed: Allowed,
 class Settings:
     """Base class of all settings: checks every field when an instance is created.
 
+    is_like_roscpp: whether values are read as roscpp's getParam does it: a number is rounded for
+    an int, and a value of another type leaves the default.
+
     Raises SettingError naming the field, its value and the allowed values.
     """
 
+    is_like_roscpp: ClassVar[bool] = False
+
     def __post_init__(self):
         for field in setting_fields(type(self)):
-            object.__setattr__(self, field.name, _checked(field, getattr(self, field.name)))
+            value = getattr(self, field.name)
+            object.__setattr__(self, field.name, _checked(
+                field, _as_roscpp(field, value) if self.is_like_roscpp else value))
 
 
 SettingsType = TypeVar('SettingsType', bound=Settings)
@@ -172,9 +185,21 @@ def computable(value: float) -> float:
     return 0.0 if abs(value) < _SMALLEST else max(-_LARGEST, min(value, _LARGEST))
 
 
+def _as_roscpp(field: dataclasses.Field, value: Any) -> Any:
+    """Return what roscpp makes of a value; a number that no int holds may be returned as it is."""
+    kind = field.metadata['kind']
+    if kind is int and type(value) is float and abs(value) <= _MAX_INT:
+        return math.floor(value) if math.fmod(value, 1.0) < 0.5 else math.ceil(value)
+    is_usable = (type(value), kind) in ((kind, kind), (float, int), (int, float), (str, float))
+    return value if is_usable else field.default
+
+
 def _checked(field: dataclasses.Field, value: Any) -> Any:
     value_type, allowed, text = (
         field.metadata['kind'], field.metadata['allowed'], allowed_text(field))
+    if allowed.is_clamped:
+        # a conversion of a number that no int holds gives the lowest one on x86
+        value = allowed.low if type(value) is float else max(allowed.low, min(value, allowed.high))
     if value_type is float and isinstance(value, str):
         with contextlib.suppress(ValueError):       # YAML 1.1 does not read 1e-3 as a number
             value = float(value)

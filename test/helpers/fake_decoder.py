@@ -12,10 +12,12 @@ class FakeDecoder:
     A negative number is a damaged frame. An array is a frame, too.
     """
 
-    def __init__(self, clock, steps, rate_hz=0.0, frame_count=0, width=0, height=0, times_s=()):
+    def __init__(self, clock, steps, rate_hz=0.0, frame_count=0, width=0, height=0, times_s=(),
+                 is_segmented=False):
         self._clock, self._steps, self._times_s = clock, list(steps), iter(times_s)
         self.rate_hz, self.frame_count, self.width, self.height = (
             rate_hz, frame_count, width, height)
+        self.is_segmented = is_segmented
         self.codec, self.time_s, self.released = 'h264', None, False
 
     def read(self):

@@ -10,9 +10,9 @@ NODES = '/usb_cam', '/gazebo', '/color_extract', '/turtlebot3_teleop_keyboard'
 CASES = {
     'no source': ('usb_cam_node.py', ['_video_device:=/no/such.mp4'],
                   '/no/such.mp4: no such file', 'synthetic'),
-    'a source that is a number': (
-        'usb_cam_node.py', ['_video_device:=0'],
-        'video_device: got 0, allowed is a path like /dev/video0', 'synthetic'),
+    'a width': (
+        'usb_cam_node.py', ['_image_width:=0', '_camera_name:=5'],
+        '/usb_cam/image_width: got 0, allowed is a whole number', 'from 1 to 16384'),
     'a calibration': ('usb_cam_node.py',
                       ['_camera_info_url:=http://x', '_video_device:=synthetic'],
                       "camera_info_url: got 'http://x'", 'file://'),
@@ -39,6 +39,21 @@ def test_one_line_names_it(roscore, script, arguments, named, advice):
     roscore.set_parameters('/robot_description', burger())
     line = roscore.start_node(script, *arguments).fatal_line()
     assert named in line and advice in line, line
+
+
+def test_values_of_another_type_leave_the_defaults_of_usb_cam_with_a_line_each(roscore):
+    roscore.set_parameters('/usb_cam')
+    roscore.set_parameters('/usb_cam/image_raw/compressed',
+                           {'jpeg_quality': 200, 'png_level': '1'})
+    camera = roscore.start_node('usb_cam_node.py', '_video_device:=synthetic', '_framerate:=10',
+                                '_camera_name:=5', '_autofocus:=1', '_brightness:=1.5')
+    for line in ("/camera_name: got 5, allowed is a name .*; using 'head_camera'",
+                 '/autofocus: got 1, allowed is true or false; using False',
+                 '/brightness: got 1.5, allowed is a whole number at least -1; using 2',
+                 '/image_raw/compressed/jpeg_quality: got 200, allowed is .* 100; using 100',
+                 "/image_raw/compressed/png_level: got '1', allowed is .* 9; using 9"):
+        camera.wait_output(r'\[WARN\].* parameter /usb_cam' + line)
+    camera.wait_output('camera: synthetic scene')
 
 
 def test_no_robot(roscore):

@@ -1,13 +1,15 @@
 """Settings: the values that each field accepts, and the error messages for others."""
 import dataclasses
-from typing import Any
+import math
+from typing import Any, ClassVar
 
 import pytest
 import yaml
 
 from img_recog.camera.usb_cam_settings import UsbCamSettings, intrinsic_controls
-from img_recog.settings import (SettingError, Settings, above, at_least, between, not_empty,
-                                one_of, setting, setting_fields, unknown)
+from img_recog.settings import (SettingError, Settings, above, at_least, between, clamped,
+                                from_mapping, not_empty, one_of, setting, setting_fields,
+                                unknown)
 from img_recog.simulation.simulation_settings import REAL_TIME_FACTORS
 from img_recog_helpers import expected
 from img_recog_helpers.refusals import refusal
@@ -103,3 +105,37 @@ def test_factors_of_real_time(factor, is_one):
 def test_a_large_bound_is_written_out():
     assert between(0, 2 ** 31 - 1).text == 'from 0 to 2147483647'
     assert between(-0.5, 1e-5).text == 'from -0.5 to 1e-05'
+
+
+@dataclasses.dataclass(frozen=True)
+class LikeRoscpp(Settings):
+    """One field of each kind, read like roscpp's getParam."""
+
+    is_like_roscpp: ClassVar[bool] = True
+    quality: int = setting(80, clamped(1, 100))
+    width: int = setting(640, between(1, 800))
+    rate: float = setting(30.0, above(0))
+    flag: bool = setting(True)
+    name: str = setting('camera')
+
+
+@pytest.mark.parametrize('name, value, used', [
+    ('quality', 200, 100), ('quality', 75.6, 76), ('quality', 75.5, 76), ('quality', 75.4, 75),
+    ('quality', 0, 1), ('quality', '75', 80), ('quality', True, 80), ('quality', [75], 80),
+    ('quality', -0.4, 1), ('quality', math.nan, 1), ('quality', 1e10, 1),
+    ('quality', -math.inf, 1),
+    ('width', 639.5, 640), ('width', '320', 640), ('width', 320.0, 320),
+    ('rate', 15, 15.0), ('rate', '1e1', 10.0), ('rate', False, 30.0), ('rate', [1.0], 30.0),
+    ('flag', 0, True), ('flag', 0.0, True), ('flag', 'false', True), ('flag', False, False),
+    ('name', 5, 'camera'), ('name', 1.5, 'camera'), ('name', {'a': 1}, 'camera'),
+    ('name', '', '')])
+def test_values_are_read_like_roscpp(name, value, used):
+    read = getattr(from_mapping(LikeRoscpp, {name: value}), name)
+    assert (read, type(read)) == (used, type(used))
+
+
+@pytest.mark.parametrize('name, value', [('width', 801), ('width', 1e10), ('width', math.nan),
+                                         ('rate', 0), ('rate', 'fast')])
+def test_what_roscpp_reads_is_checked_too(name, value):
+    with pytest.raises(SettingError, match='^{}: got '.format(name)):
+        from_mapping(LikeRoscpp, {name: value})

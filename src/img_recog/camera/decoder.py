@@ -20,8 +20,9 @@ from av.sidedata.sidedata import SideDataContainer
 from img_recog.camera.rgb_frames import rgb_array
 from img_recog.camera.source import FrameSkipped, check_size, redacted
 
-# An RTSP server sends by UDP otherwise, and frames whose packets are lost are damaged.
-_OPTIONS = {'rtsp_transport': 'tcp'}
+# An RTSP server sends by UDP otherwise, and frames whose packets are lost are damaged. The second
+# one, in microseconds, is for servers of segments, for which a read may take longer.
+_OPTIONS = {'rtsp_transport': 'tcp', 'rw_timeout': '5000000'}
 # Whether an image is transposed, then mirrored from left to right, and from top to bottom.
 _Turn = Tuple[bool, bool, bool]
 # By the degrees clockwise.
@@ -42,7 +43,7 @@ class Decoder:
     rate_hz: the rate that is stated or guessed from the first frames, 0 if none.
     frame_count: as stated, without what the edit list of an .mp4 hides, or of the duration at
     this rate; 0 if unknown, as of a live stream.
-    codec: its name.
+    codec: its name. is_segmented: whether its frames arrive in segments of seconds (HLS, DASH).
     ticks, time_s: time of the last frame as FFmpeg gives it, in the unit of the stream and in s;
     None if it gives none.
     """
@@ -79,6 +80,7 @@ class Decoder:
                       or float((stream.duration or 0) * stream.time_base))
         self.frame_count = stream.frames or max(0, int(duration_s * self.rate_hz + 0.5))
         self._has_edit_list = 'mp4' in self._container.format.name
+        self.is_segmented = self._container.format.name.startswith(('hls', 'dash'))
         if self._has_edit_list and stream.duration and self.rate_hz:
             # what the list hides is in the stated count, but not in the duration of the stream
             shown = int(stream.duration * stream.time_base * self.rate_hz + 0.5)

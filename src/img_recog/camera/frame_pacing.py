@@ -54,8 +54,8 @@ class FrameTimes:
     """Times of the frames of a film, from those that its decoder gives, if it gives any.
 
     A time within 1 ms of the multiple of the period is this multiple: containers round to 1 ms. A
-    decoder time that does not increase, or jumps by more than an hour, counts as none: the frame
-    then follows the one before as that has followed its own.
+    decoder time that does not increase, or jumps by more than the longest step, by default an
+    hour, counts as none: the frame then follows the one before as that has followed its own.
 
     step_s: between the last two frames; before, the stated period, 0 if there is none.
     longest_step_s: the longest so far.
@@ -65,11 +65,11 @@ class FrameTimes:
     [0.0, 0.125, 0.375, 0.625, 0.875]
     """
 
-    _ROUNDING_S, _MAX_STEP_S = 1e-3, 3600.0
+    _ROUNDING_S = 1e-3
 
-    def __init__(self, rate_hz: float):
+    def __init__(self, rate_hz: float, max_step_s: float = 3600.0):
         """Begin before the first frame of a film that states the rate `rate_hz`, 0 if none."""
-        self._rate_hz = rate_hz
+        self._rate_hz, self._max_step_s = rate_hz, max_step_s
         self._count, self._time_s = 0, 0.0
         self._decoder_s: Optional[float] = None
         self._offset_s = 0.0        # of the decoder's times
@@ -83,7 +83,7 @@ class FrameTimes:
     def next_s(self, decoder_s: Optional[float]) -> float:
         """Return the time of the next frame, which increases, by that of the decoder, if any."""
         if decoder_s is not None and self._decoder_s is not None and (
-                0.0 < decoder_s - self._decoder_s <= self._MAX_STEP_S):
+                0.0 < decoder_s - self._decoder_s <= self._max_step_s):
             time_s = decoder_s - self._offset_s
         else:
             time_s = self._time_s + self.step_s if self._count else 0.0

@@ -1,7 +1,7 @@
 """Settings of the camera, with the names and defaults of usb_cam."""
 import re
 from dataclasses import dataclass
-from typing import Any, Mapping
+from typing import Any, ClassVar, Mapping
 
 from img_recog.formats.still_images import ALLOWED_MAX_PIXELS, DEFAULT_MAX_PIXELS
 from img_recog.settings import (Allowed, SettingError, Settings, at_least, between, not_empty,
@@ -45,6 +45,7 @@ class UsbCamSettings(Settings):
     create_suspended: whether the camera stays closed until ~start_capture is called.
     """
 
+    is_like_roscpp: ClassVar[bool] = True
     video_device: str = setting('/dev/video0', Allowed(
         'a path like /dev/video0, a URL, synthetic or auto', not_empty().accepts))
     io_method: str = setting('mmap', one_of('mmap', 'read', 'userptr'))
@@ -69,6 +70,7 @@ class ControlSettings(Settings):
     mode of each is off.
     """
 
+    is_like_roscpp: ClassVar[bool] = True
     brightness: int = setting(-1, at_least(-1), '-1 leaves it unchanged')
     contrast: int = setting(-1, at_least(-1), '-1 leaves it unchanged')
     saturation: int = setting(-1, at_least(-1), '-1 leaves it unchanged')

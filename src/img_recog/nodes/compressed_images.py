@@ -39,9 +39,8 @@ class CompressedImages:
         """Advertise the topic TOPIC/compressed of the raw topic `topic`.
 
         redelivery: sends the images, from the first subscriber on.
-        Raises ParameterError when a parameter has a value that is not allowed.
         """
-        name = rospy.resolve_name(topic) + '/compressed'
+        self._name = name = rospy.resolve_name(topic) + '/compressed'
         settings = parameters.read(CompressionSettings, namespace=name)
         parameters.warn_of_unknown(CompressionSettings, namespace=name)
         self._images, self._closed = LatestValue(), threading.Event()
@@ -62,8 +61,8 @@ class CompressedImages:
     def publish(self, image: np.ndarray, encoding: str, header: Header) -> None:
         """Send the image if there is a subscriber; return immediately.
 
-        image: uint8 of shape (height, width[, 3]), which must not be modified afterwards.
-        encoding: rgb8, bgr8 or mono8.
+        image, encoding: as for `compressed_image_msgs.to_msg`; the image must not be modified
+        afterwards.
         """
         if self.is_wanted():
             # a copy, because rospy writes the sequence number of each topic into the header
@@ -88,7 +87,7 @@ class CompressedImages:
         try:
             msg = compressed_image_msgs.to_msg(image, encoding, header, self._parameters.settings)
         except ImageError as error:
-            self._warn('%s', error)
+            self._warn('%s: %s', self._name, error)
             return
         with lifecycle.until_shutdown():
             self._publisher.publish(msg)

@@ -6,8 +6,8 @@ from typing import Any, Callable, Iterable, List, Mapping, Type
 import rospy
 
 from img_recog.errors import one_line
-from img_recog.settings import (ParameterError, SettingError, Settings, SettingsType, from_mapping,
-                                setting_fields, unknown)
+from img_recog.settings import (ParameterError, SettingError, Settings, SettingsType, allowed_text,
+                                from_mapping, setting_fields, unknown)
 
 LOG_TOPICS_ARE_LEFT_OUT = '/rosout_disable_topics_generation'      # rospy's name
 _NO_VALUES: Mapping[str, Any] = MappingProxyType({})
@@ -22,11 +22,12 @@ def read(settings_class: Type[SettingsType],
     override both.
     namespace: to read parameters other than the private ones. fallback: the namespace whose
     parameters hold where there is none in `namespace`; '' for none.
+    Logs a warning for each parameter in place of which another value is used, like in roscpp.
     Raises ParameterError naming the parameter, its value and what is allowed.
     """
     own, others = _parameters_in(namespace), _parameters_in(fallback) if fallback else _NO_VALUES
     try:
-        return from_mapping(settings_class, {**from_description, **others, **own})
+        settings = from_mapping(settings_class, {**from_description, **others, **own})
     except SettingError as error:
         where = '{}, as robot_description states it'.format(error.name)
         if error.name in own or error.name not in from_description:
@@ -34,6 +35,12 @@ def read(settings_class: Type[SettingsType],
         elif error.name in others:
             where = 'parameter ' + _name_in(fallback, error.name)
         raise ParameterError('{}: got {}, allowed is {}'.format(where, error.got, error.allowed))
+    for field in setting_fields(settings_class) if settings.is_like_roscpp else ():
+        used = getattr(settings, field.name)
+        if own.get(field.name, used) != used:
+            rospy.logwarn('parameter %s; using %r', SettingError(
+                _name_in(namespace, field.name), own[field.name], allowed_text(field)), used)
+    return settings
 
 
 def read_one(name: str, default: Any, checked: Callable[[Any], Any], namespace: str = '~') -> Any:

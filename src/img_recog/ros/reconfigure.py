@@ -2,7 +2,7 @@
 import dataclasses
 from itertools import chain
 from types import SimpleNamespace
-from typing import Any, Callable, Generic, Mapping, Optional, Sequence, Type
+from typing import Callable, Generic, Optional, Type
 
 import rospy
 from dynamic_reconfigure.encoding import Config, encode_config
@@ -11,7 +11,8 @@ from dynamic_reconfigure.server import Server
 from dynamic_reconfigure.srv import ReconfigureRequest
 
 from img_recog.errors import UserError, one_line, shortened
-from img_recog.settings import SettingError, Settings, SettingsType, setting_fields
+from img_recog.settings import (SettingError, Settings, SettingsType, allowed_text,
+                                setting_fields)
 
 # dynamic_reconfigure's names for the types, and its bounds where a field has none.
 _TYPES = {bool: 'bool', int: 'int', float: 'double', str: 'str'}
@@ -45,7 +46,8 @@ class Reconfigurable(Server, Generic[SettingsType]):
 
     It is the distribution's server without its own checks: that would read the parameter server
     again, would clamp a value that is out of bounds instead of refusing it, and fails on groups
-    that it does not have.
+    that it does not have. A value of a wrong name or type is left out, as in C++; any other wrong
+    value refuses the whole request.
 
     settings: the current ones.
     """
@@ -76,11 +78,17 @@ class Reconfigurable(Server, Generic[SettingsType]):
         pass
 
     def _set_callback(self, request: ReconfigureRequest) -> ConfigMsg:
-        values: Mapping[str, Any] = {}
-        try:
-            values = _requested(request.config, list(_values(self.settings)))
-        except UserError as error:
-            self._log_refusal(error)
+        fields = {field.name: field for field in setting_fields(type(self.settings))}
+        values, sent = {}, request.config
+        for each in chain(sent.bools, sent.ints, sent.strs, sent.doubles):
+            field = fields.get(each.name)
+            kind = field and field.metadata['kind']
+            if type(each.value) is kind or (kind is float and type(each.value) is int):
+                values[each.name] = each.value
+            else:
+                allowed = 'one of the parameters ' + ', '.join(fields)
+                self._log_refusal(SettingError(
+                    each.name, each.value, allowed_text(field) if field else allowed), 'it is not')
         return encode_config(self.update_configuration(values))
 
     def _apply(self, config: Config, _level: int) -> Config:
@@ -96,23 +104,13 @@ class Reconfigurable(Server, Generic[SettingsType]):
         config.update(_values(self.settings))
         return config
 
-    def _log_refusal(self, error: UserError) -> None:
+    def _log_refusal(self, error: UserError, what: str = 'nothing is') -> None:
         if isinstance(error, SettingError):
-            rospy.logerr('parameter %s/%s: got %s, allowed is %s; nothing is changed',
-                         self._namespace, shortened(error.name), error.got, error.allowed)
+            rospy.logerr('parameter %s/%s: got %s, allowed is %s; %s changed', self._namespace,
+                         shortened(error.name), error.got, error.allowed, what)
         else:
-            rospy.logerr('parameters of %s: %s; nothing is changed', self._namespace,
-                         one_line(error))
-
-
-def _requested(config: ConfigMsg, names: Sequence[str]) -> Mapping[str, Any]:
-    """Return the values in a request; raise SettingError if one is not of this server."""
-    values = {}
-    for each in chain(config.bools, config.ints, config.strs, config.doubles):
-        if each.name not in names:
-            raise SettingError(each.name, each.value, 'one of the parameters ' + ', '.join(names))
-        values[each.name] = each.value
-    return values
+            rospy.logerr('parameters of %s: %s; %s changed', self._namespace, one_line(error),
+                         what)
 
 
 def _values(settings: Settings) -> dict:

@@ -3,9 +3,11 @@ import math
 import time
 from typing import Callable, Optional
 
-# of wall time: with more delay the machine is too slow, and the delay is not caught up with
-_MAX_DELAY_S = 0.5
+_MAX_DELAY_S = 0.5          # of wall time: a longer delay is not caught up with
 _MEASURING_PERIOD_S = 1.0
+# The machine is too slow below this share of the wanted factor, in two measurements in a row: one
+# may be a start, or another program. Five others end it.
+_MIN_SHARE, _SLOW_COUNT, _FAST_COUNT = 0.9, 2, 5
 _REPORT_PERIOD_S = 30.0     # of wall time, between two reports that the machine is too slow
 _WORSE = 0.5
 
@@ -21,12 +23,13 @@ class Pace:
         self.is_paused, self.measured = False, 0.0
         self._now = now
         self._since_s, self._simulated_s = now(), 0.0
+        self._row = 0       # measurements in a row that were too slow; negative: that were not
         self._reported_s, self._reported = -math.inf, math.inf
         self.set_wanted(real_time_factor)
 
     def set_wanted(self, real_time_factor: float) -> None:
         """Go on at another factor, from now on."""
-        self.wanted, self._is_late = real_time_factor, False
+        self.wanted = real_time_factor
         self.restart()
 
     def pause(self) -> None:
@@ -40,6 +43,11 @@ class Pace:
     def restart(self) -> None:
         """Start from now, as after a pause: the time until now is not caught up with."""
         self._due_s = self._now()
+        self.disturb()
+
+    def disturb(self) -> None:
+        """Do not judge the machine by the current measurement, as while robots are added."""
+        self._is_disturbed = True
 
     def delay_s(self, simulated_s: float) -> float:
         """Return the wall seconds to wait after `simulated_s` more seconds were simulated."""
@@ -48,8 +56,7 @@ class Pace:
         self._due_s += simulated_s / self.wanted
         delay_s = self._due_s - self._now()
         if delay_s < -_MAX_DELAY_S:
-            self._is_late = True
-            self.restart()
+            self._due_s = self._now()
         return max(0.0, delay_s)
 
     def measure(self, simulated_s: float) -> Optional[float]:
@@ -60,20 +67,26 @@ class Pace:
             return None
         self.measured = self._simulated_s / passed_s
         self._since_s, self._simulated_s = self._now(), 0.0
+        is_slow = self.measured < _MIN_SHARE * self.wanted and not self._is_disturbed
+        self._row = max(0, self._row) + 1 if is_slow else (
+            0 if self._is_disturbed else min(0, self._row) - 1)
+        self._is_disturbed = False
         return self.measured
 
-    def is_to_report(self) -> bool:
-        """Return whether to report that the machine is too slow.
+    def take_report(self) -> Optional[bool]:
+        """Return what to report: True if the machine is too slow, False if no longer, else None.
 
-        After simulated time has fallen behind: at first, when it gets worse, and rarely.
+        It is too slow at first, when it gets worse, and rarely.
         """
-        if not (self._is_late and self.measured):
+        now_s = self._now()
+        if self._row >= _SLOW_COUNT and (now_s >= self._reported_s + _REPORT_PERIOD_S
+                                         or self.measured <= _WORSE * self._reported):
+            self._reported_s, self._reported = now_s, self.measured
+            return True
+        if self._row <= -_FAST_COUNT and self._reported < math.inf:
+            self._reported_s, self._reported = -math.inf, math.inf
             return False
-        self._is_late, now_s = False, self._now()
-        if now_s < self._reported_s + _REPORT_PERIOD_S and self.measured > _WORSE * self._reported:
-            return False
-        self._reported_s, self._reported = now_s, self.measured
-        return True
+        return None
 
 
 def timeout_scale(real_time_factor: float) -> float:

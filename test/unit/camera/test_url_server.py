@@ -1,14 +1,20 @@
 """Streams and videos that a server sends."""
+import collections
+import http.server
 import os
+import threading
+import time
 
 import numpy as np
 import pytest
 
+from img_recog.camera.capture import Capture, Listener
 from img_recog.camera.selection import open_source
 from img_recog.camera.source import FrameSkipped, SourceEnded, SourceError
 from img_recog.camera.url_source import RemoteVideoSource, StreamSource
 from img_recog.camera.usb_cam_settings import UsbCamSettings
 from img_recog_helpers.videos import smooth_image
+from img_recog_helpers.waiting import wait_for
 
 
 def opened(url, **settings):
@@ -70,3 +76,76 @@ def test_video_with_its_index_at_the_end_is_refused(make_video, served):
         'cannot play http://{}video.mp4: FFmpeg decodes no frame of it (codec mpeg4): it has no '
         'decoder for that, or the server has no range requests and the index of the .mp4 is at '
         'its end'.format(served))
+
+
+class LiveSegments(http.server.ThreadingHTTPServer):
+    """Serves a live playlist: two segments of 3 s, and one more each 3 s.
+
+    fetched: how often each segment was.
+    """
+
+    def __init__(self, folder):
+        super().__init__(('127.0.0.1', 0), self._handler(str(folder)))
+        self.begin_s, self.fetched = time.monotonic(), collections.Counter()
+        self.thread = threading.Thread(target=self.serve_forever, args=(0.02,), daemon=True)
+        self.thread.start()
+
+    def playlist(self):
+        count = 2 + int((time.monotonic() - self.begin_s) / 3)
+        return ''.join(['#EXTM3U\n#EXT-X-VERSION:3\n#EXT-X-TARGETDURATION:3\n', *(
+            '#EXTINF:3.0,\n{}.ts\n'.format(number) for number in range(min(count, 5)))]).encode()
+
+    @staticmethod
+    def _handler(folder):
+        class Handler(http.server.BaseHTTPRequestHandler):
+            def log_message(self, *_):
+                pass
+
+            def do_GET(self):
+                name = self.path.strip('/')
+                if name == 'live.m3u8':
+                    data = self.server.playlist()
+                else:
+                    self.server.fetched[name] += 1
+                    with open(os.path.join(folder, name), 'rb') as file:
+                        data = file.read()
+                self.send_response(200)
+                self.send_header('Content-Length', str(len(data)))
+                self.end_headers()
+                self.wfile.write(data)
+        return Handler
+
+
+class Times(Listener):
+    """When there were frames, and how often they were lost."""
+
+    def __init__(self):
+        self.frames_s, self.losses = [], []
+
+    def frame(self, source, image):
+        self.frames_s.append(time.monotonic())
+
+    def lost(self, reason):
+        self.losses.append(reason)
+
+    def failed(self, error, opening):
+        self.losses.append(str(error))
+
+
+def test_live_segments_play_at_their_rate_and_are_fetched_once(make_film, tmp_path):
+    make_film('x.m3u8', '-c:v', 'mpeg2video', '-g', '75', '-f', 'hls', '-hls_time', '3',
+              '-hls_list_size', '0', '-hls_segment_filename', str(tmp_path / '%d.ts'), seconds=15,
+              source='testsrc2=size=96x64:rate=25')
+    server, times = LiveSegments(tmp_path), Times()
+    url = 'http://127.0.0.1:{}/live.m3u8'.format(server.server_port)
+    capture = Capture(lambda: open_source(UsbCamSettings(video_device=url)), times)
+    capture.start_thread()
+    capture.start()
+    # into the third segment, which is listed 3 s after the first two
+    wait_for(lambda: capture.check() or times.losses or len(times.frames_s) > 180, 'frames')
+    capture.shut_down()
+    server.shutdown()
+    server.server_close()
+    assert times.losses == []
+    assert set(server.fetched.values()) == {1}, server.fetched
+    assert times.frames_s[150] - times.frames_s[0] > 5.5        # no burst

@@ -29,6 +29,50 @@ def results(source):
             return found, str(error)
 
 
+def test_segments_play_at_their_times_and_may_be_late(clock):
+    """Whole seconds of frames are there at once, then none; segments that are skipped do not."""
+    times_s = [7.0, 7.04, 7.08, 7.12, 67.0, 67.04, 8.0]
+    decoder = FakeDecoder(clock, [True, True, True, 9.0, True, True, True, *END], rate_hz=25.0,
+                          times_s=times_s, is_segmented=True)
+    source = StreamSource('http://camera/live.m3u8', decoder, now=clock)
+    assert (source.rate_hz, source.stall_timeout_s) == (25.0, 15.0)
+    found = []
+    for _ in times_s:
+        source.read()
+        found.append(source.time_s)
+    assert found == pytest.approx([0.0, 0.04, 0.08, 0.12, 0.16, 0.20, 0.24])
+    assert source.reconnects
+    with pytest.raises(SourceError, match='gives no more frames'):
+        source.read()
+
+
+@pytest.mark.parametrize('url, read_s', [
+    ('http://h/live.m3u8', 30.0), ('https://h/a/LIVE.M3U8?tok=1', 30.0), ('http://h/x.mpd', 30.0),
+    ('http://h/?f=x.m3u', 30.0), ('http://h/m3u8', 2.0), ('rtsp://h/live', 2.0)])
+def test_a_playlist_is_waited_for(clock, monkeypatch, url, read_s):
+    decoder, seen = FakeDecoder(clock, [True] * 4), []
+    monkeypatch.setattr('img_recog.camera.decoder.Decoder',
+                        lambda *given: seen.append(given) or decoder)
+    open_source(UsbCamSettings(video_device=url))
+    assert seen == [(url, (5.0, read_s))]
+
+
+def test_a_login_may_be_in_an_environment_variable(clock, monkeypatch):
+    decoder, seen = FakeDecoder(clock, [True] * 4), []
+    monkeypatch.setattr('img_recog.camera.decoder.Decoder',
+                        lambda url, _: seen.append(url) or decoder)
+    monkeypatch.setenv('CAMERA_LOGIN', 'me:s$1{x}')
+    monkeypatch.setenv('K1', 'a')
+    source = open_source(UsbCamSettings(video_device='rtsp://${CAMERA_LOGIN}@h/$1/live?k=${K1}'))
+    assert seen == ['rtsp://me:s$1{x}@h/$1/live?k=a']
+    assert source.name == 'rtsp://h/$1/live?...'
+    with pytest.raises(SourceError) as refused:
+        open_source(UsbCamSettings(video_device='rtsp://${CAMERA_LOGN}@h/live'))
+    assert str(refused.value) == (
+        'cannot open rtsp://h/live: the environment variable CAMERA_LOGN is not set; export it '
+        'in the terminal of roslaunch')
+
+
 END = [False]
 GOOD, SKIPPED = ['frame'], ['skipped']
 

@@ -13,8 +13,8 @@ from dynamic_reconfigure.srv import ReconfigureRequest
 
 from img_recog.errors import UserError
 from img_recog.ros.reconfigure import Reconfigurable, config_type
-from img_recog.settings import (Settings, above, at_least, between, not_empty, one_of,
-                                setting)
+from img_recog.settings import (Settings, above, at_least, between, clamped, not_empty,
+                                one_of, setting)
 
 INFINITY = float('inf')
 
@@ -32,6 +32,14 @@ class Sample(Settings):
     mode: str = setting('slow', one_of('slow', 'fast'))
     name: str = setting('sample', not_empty())
     unchecked: object = None
+
+
+@dataclasses.dataclass(frozen=True)
+class Clamped(Settings):
+    """Numbers as in a server in C++."""
+
+    level: int = setting(9, clamped(1, 9))
+    quality: int = setting(80, clamped(1, 100))
 
 
 EXPECTED = {        # type, default, min, max, description
@@ -89,8 +97,8 @@ def serve(monkeypatch):
         Publisher=lambda *_, **__: topic, set_param=lambda *_: None,
         Service=lambda *words: services.append(words)))
 
-    def start(on_change=lambda settings: None):
-        reconfigurable = Reconfigurable(Sample(width=2), on_change, '/camera')
+    def start(on_change=lambda settings: None, settings=Sample(width=2)):
+        reconfigurable = Reconfigurable(settings, on_change, '/camera')
         (name, _, handler), = services
         assert name == '/camera/set_parameters'
 
@@ -153,11 +161,30 @@ def test_malformed_request_is_one_line_and_the_next_one_works(serve, errors, con
     settings, reply = request(config)
     assert settings == Sample(width=2) and reply['width'] == 2
     line, = errors
-    assert words in line and line.endswith('nothing is changed') and '/camera' in line
+    assert words in line and '/camera' in line
+    assert line.endswith(('; nothing is changed', '; it is not changed'))
     settings, reply = request(Config(ints=[IntParameter('width', 5)], groups=[GROUP]))
     assert settings == Sample(width=5) and reply['width'] == 5 and len(errors) == 1
     assert {name: reply[name] for name in EXPECTED} == {
         **{name: expected[1] for name, expected in EXPECTED.items()}, 'width': 5}
+
+
+def test_a_wrong_name_or_type_does_not_drop_the_values_beside_it(serve, errors):
+    settings, reply = serve()[1](Config(
+        ints=[IntParameter('width', 5), IntParameter('enabled', 0), IntParameter('rate', 20)],
+        strs=[StrParameter('count', '7'), StrParameter('mode', 'fast'), StrParameter('x', 'y')],
+        doubles=[DoubleParameter('offset', 2.5)]))
+    assert settings == Sample(width=5, rate=20.0, mode='fast') and reply['width'] == 5
+    assert [line.split(':')[0] for line in errors] == ['parameter /camera/' + name for name in (
+        'enabled', 'count', 'x', 'offset')]
+    assert {line.rpartition('; ')[2] for line in errors} == {'it is not changed'}
+
+
+def test_numbers_of_clamped_settings_become_the_nearest_bound(serve, errors):
+    settings, reply = serve(settings=Clamped())[1](ints(level=-5, quality=200))
+    assert settings == Clamped(level=1, quality=100) and (reply['level'], reply['quality']) == (
+        1, 100)
+    assert errors == []
 
 
 def test_empty_request_and_states_of_groups_change_nothing(serve, errors):

@@ -48,7 +48,6 @@ class CameraTopics:
         self._drawn = DrawnCamera(settings)
         # so that the noise of two cameras is not the same
         self._own_number = zlib.crc32(settings.camera_image_topic.encode())
-        # first: it fails if its parameters are wrong
         self._compressed = CompressedImages(settings.camera_image_topic, redelivery)
         self._images = ImagePublisher(settings.camera_image_topic, redelivery)
         self._infos = [publisher(settings.camera_info_topic, CameraInfo, _INFO_QUEUE_SIZE,

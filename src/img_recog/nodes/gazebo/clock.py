@@ -40,7 +40,10 @@ class SimulatedClock:
         measured = self._pace.measure(simulated_s)
         if measured is not None:
             self._factors.publish(Float64(measured))
-        if self._pace.is_to_report():
+        is_slow = self._pace.take_report()
+        if is_slow:
             rospy.logwarn('this machine is too slow for real_time_factor %g: simulated time falls '
                           'behind, no step is skipped; the factor is %.2f now',
                           self._pace.wanted, self._pace.measured)
+        elif is_slow is not None:
+            rospy.loginfo('simulated time keeps up again, the factor is %.2f', self._pace.measured)

@@ -159,7 +159,7 @@ class Gazebo:
                 is_paused = self._pace.is_paused and end is None
                 if is_paused or self._waiting.must_stand():
                     self._calls.process(_POLL_PERIOD_S)
-                    if self._pace.is_paused:
+                    if self._pace.is_paused or self._images.is_loading():
                         self._pace.restart()
                     if is_paused:
                         self._waiting.restart()
@@ -218,6 +218,7 @@ class Gazebo:
     def _show(self) -> None:
         """Show what was added or rearranged; draw the view and the window, if they are due."""
         if self._images.update_scene():
+            self._pace.disturb()
             self._outlines.publish()
         self._images.update_view()
         self._images.update_window()

@@ -26,6 +26,9 @@ class CameraDiagnostics:
 
     def __init__(self, device: str, now: Callable[[], float] = time.monotonic):
         self._device = device
+        # what to do without frames, and after a loss
+        self._advice = (('check its server and the network',) * 2 if '://' in device else
+                        ('check the camera and its cable', 'connect the camera again'))
         self._source: Optional[FrameSource] = None
         self.frames, self.dropped, self.skipped = EventCounter(now), EventCounter(now), Refusals()
         self.late = EventCounter(now)
@@ -81,11 +84,11 @@ class CameraDiagnostics:
             return DiagnosticStatus.OK, 'suspended'
         lost = self._lost       # another thread may change it
         if lost is not None:
-            return DiagnosticStatus.ERROR, '{}; connect the camera again'.format(lost)
+            return DiagnosticStatus.ERROR, '{}; {}'.format(lost, self._advice[1])
         if rate_hz is None:
-            return DiagnosticStatus.OK, 'starting'
+            return DiagnosticStatus.OK, 'starting' if self._source else 'waiting for a first frame'
         if rate_hz == 0:
-            return DiagnosticStatus.WARN, 'no frames: check the camera and its cable'
+            return DiagnosticStatus.WARN, 'no frames: ' + self._advice[0]
         if expected_hz and rate_hz < _MIN_SHARE * expected_hz:
             return DiagnosticStatus.WARN, '{:.1f} Hz instead of {:g} Hz: {}'.format(
                 rate_hz, expected_hz, _LATE if self._source and self._source.rate_hz else _DARK)
@@ -98,4 +101,4 @@ class CameraDiagnostics:
         # a slow camera needs a longer window
         rate_hz = self.frames.rate_hz(max(WINDOW_S, three_periods_s))
         is_enough = self.frames.measured_s >= max(_MIN_MEASURED_S, three_periods_s)
-        return rate_hz if is_enough else None
+        return rate_hz if is_enough and self._source else None

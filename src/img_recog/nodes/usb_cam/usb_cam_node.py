@@ -98,7 +98,7 @@ class UsbCam(Listener):
             self._capture.start()
             # a signal that another thread takes does not end a wait without a timeout
             while not self._opened_or_ended.wait(_CHECK_PERIOD_S):
-                pass
+                self._diagnostics.set_active(self._capture.wanted)
         if not self._ended.is_set():
             self._calibration.serve()
             rospy.Service('~start_capture', Empty, self._start_capture)

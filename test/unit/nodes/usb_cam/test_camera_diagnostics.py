@@ -70,6 +70,25 @@ def test_lost_device_is_an_error_until_it_is_back(diagnostics, clock):
     assert report(diagnostics)[0] == DiagnosticStatus.OK
 
 
+def test_stream_is_waited_for_and_has_a_server_not_a_cable(clock):
+    diagnostics = CameraDiagnostics('rtsp://camera/live', clock)
+    assert report(diagnostics)[:2] == (DiagnosticStatus.OK, 'suspended')
+    diagnostics.set_active(True)
+    for _ in range(5):
+        clock.advance(1.0)
+        level, message, values = report(diagnostics)
+        assert (level, message) == (DiagnosticStatus.OK, 'waiting for a first frame')
+        assert (values['format'], values['frame rate (Hz)']) == ('not open', 'unknown')
+    diagnostics.opened(SyntheticSource(64, 48, 10.0))
+    assert report(diagnostics)[1] == 'starting'
+    assert run(diagnostics, clock, 3, 0)[:2] == (
+        DiagnosticStatus.WARN, 'no frames: check its server and the network')
+    diagnostics.lost('rtsp://camera/live gives no more frames: ended or silent')
+    assert report(diagnostics)[:2] == (
+        DiagnosticStatus.ERROR, 'rtsp://camera/live gives no more frames: ended or silent; '
+        'check its server and the network')
+
+
 def test_suspended_camera_is_ok(diagnostics, clock):
     clock.advance(1.0)
     diagnostics.set_active(False)
