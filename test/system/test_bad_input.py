@@ -3,6 +3,7 @@ import os
 
 import pytest
 
+from img_recog_helpers.launch_config import launch_config
 from img_recog_helpers.simulator_tools import burger
 
 NODES = '/usb_cam', '/gazebo', '/color_extract', '/turtlebot3_teleop_keyboard'
@@ -47,6 +48,17 @@ def test_one_line_names_it(roscore, script, arguments, named, advice):
     roscore.set_parameters('/robot_description', burger())
     line = roscore.start_node(script, *arguments).fatal_line()
     assert named in line and advice in line, line
+
+
+def test_roslaunch_starts_nothing_if_the_recording_cannot_be_written(capfd, tmp_path, monkeypatch):
+    monkeypatch.setenv('PWD', str(tmp_path))
+    for bag in 'a.bag', str(tmp_path / 'a b.bag'):
+        assert [node.name for node in launch_config('record.launch', 'record:=' + bag).nodes] == [
+            'record']
+    for bag in '/no such/x.bag', 'no/x.bag':
+        with pytest.raises(Exception, match='record_folder'):
+            launch_config('record.launch', 'record:=' + bag)
+        assert 'record: {} cannot be written; give '.format(bag) in capfd.readouterr().err
 
 
 def test_no_robot(roscore):
