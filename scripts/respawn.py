@@ -2,7 +2,8 @@
 """Start a node again when it dies, but not when it ends because of what the user gave.
 
 The launch-prefix of the nodes in the launch files, which also have respawn="true": roslaunch
-starts this program again if it is killed itself. The node is a child process that ends with it.
+starts this program again if it is killed itself. The node is a child process that ends with it,
+and both end with roslaunch, even if that is killed.
 roslaunch's respawn alone would start a node that refuses its input again and again, and roslaunch
 does not take it beside required="true", by which the demo ends then.
 
@@ -33,7 +34,7 @@ _REFUSED = 78
 _LONG_LIFE_S = 4.0              # a node that lived so long is started again at once
 _FIRST_DELAY_S, _MAX_DELAY_S = 0.5, 5.0
 _POLL_PERIOD_S = 0.1
-_PARENT_PERIOD_S = 1.0
+_PARENT_ENDED = signal.SIGUSR1
 # roslaunch that is interrupted while it starts nodes may wait for its own locks
 _MIN_AGE_TO_INTERRUPT_S = 2.0
 
@@ -52,6 +53,8 @@ class Respawner:
     def run(self):
         """Return the exit code after a signal to this process, once the command has ended."""
         signals.handle(self._forward)
+        signal.signal(_PARENT_ENDED, self._end_with_parent)
+        process_tree.end_with_parent(_PARENT_ENDED)
         delay_s = 0.0
         while True:
             started_s = time.monotonic()
@@ -94,6 +97,14 @@ class Respawner:
             with contextlib.suppress(ProcessLookupError):
                 os.killpg(self._child.pid, signum)
 
+    def _end_with_parent(self, *_):
+        # the kernel also sends the signal when only the thread that started this program ends
+        if self._is_orphan():
+            self._forward(signal.SIGTERM, None)
+
+    def _is_orphan(self):
+        return os.getppid() != self._parent
+
     def _give_up(self, code):
         reason = (_FINISHED.get(code)
                   or launch_output.last_error(_value('__log:=', self._command))
@@ -101,14 +112,14 @@ class Respawner:
         if self._required or code == _REFUSED:
             self._say('ended, and the demo with it: {}'.format(reason))
             self._wait(self._began_s + _MIN_AGE_TO_INTERRUPT_S - time.monotonic())
-            if not self._signum and os.getppid() == self._parent:
+            if not self._signum and not self._is_orphan():
                 os.kill(self._parent, signal.SIGINT)
         else:
             self._say('ended and is not started again: {}'.format(reason))
-        signal.pthread_sigmask(signal.SIG_BLOCK, signals.ENDING)
-        # without roslaunch, nothing would ever end this program
-        while not self._signum and os.getppid() == self._parent:
-            if signal.sigtimedwait(signals.ENDING, _PARENT_PERIOD_S) is not None:
+        awaited = *signals.ENDING, _PARENT_ENDED
+        signal.pthread_sigmask(signal.SIG_BLOCK, awaited)
+        while not (self._signum or self._is_orphan()):
+            if signal.sigwait(awaited) != _PARENT_ENDED:
                 break
 
     def _wait(self, delay_s):

@@ -13,13 +13,14 @@ import textwrap
 
 import launch_files
 from img_recog.command_line.messages import message
-from img_recog.errors import most_similar
+from img_recog.errors import most_similar, shortened
 
 # options of roslaunch that are followed by a value
 OPTIONS_WITH_VALUE = ('-p', '--port', '-t', '--timeout', '-u', '--server_uri', '-w',
                       '--numworkers',
                       '--args', '--find-node', '--master-logger-level', '--pid',
                       '--run_id', '--sigint-timeout', '--sigterm-timeout')
+MAX_INT = 0x7fffffff        # roslaunch cannot send larger integers to the master
 TRUE_OR_FALSE = ('true', 'false', '1', '0')
 MEANT = {'true': ('yes', 'on', 'y', 't'), 'false': ('no', 'off', 'n', 'f', 'none', 'never')}
 HELP = {'-h', '--help'}
@@ -113,6 +114,9 @@ class Arguments:
             value = path
         elif name == 'world' and os.path.isfile(path):
             value = path            # else it may be a name, or in a folder of Gazebo
+        if re.fullmatch(r'[+-]?\d+', value) and abs(int(value)) > MAX_INT:
+            raise ArgumentError('{}: got {}, allowed are integers of at most 32 bits', name,
+                                shortened(value))
         if name == 'record' and value != 'none':
             _check_record(value)
         if name == 'record_size' and not value.isdigit():

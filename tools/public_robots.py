@@ -20,7 +20,7 @@ from img_recog.loading import assemble, resources, robot_file
 from img_recog.simulation.assembly import Assembly
 from img_recog.simulation.figures import Figures
 from img_recog.simulation.models import LINK_SEPARATOR
-from img_recog.simulation.physics.drive import NoDrive
+from img_recog.simulation.physics.drive import Drive
 from img_recog.simulation.simulation_settings import (DriveSettings, PhysicsSettings,
                                                       SpawnSettings)
 
@@ -334,7 +334,7 @@ def _poses(robot: Robot, built: Assembly, command: str) -> Iterator[List[float]]
     simulator = built.simulator
     for vehicle in simulator.vehicles:
         # as in Gazebo, nothing else sets the motors
-        vehicle.drive = NoDrive(DriveSettings())
+        vehicle.drive = Drive(DriveSettings())
     values = Figures(simulator)
     ends = {joint.rsplit(LINK_SEPARATOR, 1)[-1]: joint for joint in values.joints()}
     for joint, velocity in robot.motors(command):

@@ -3,6 +3,7 @@ import os
 
 import pytest
 
+from img_recog_helpers.launch_config import launch_config
 from img_recog_helpers.simulator_tools import burger
 
 NODES = '/usb_cam', '/gazebo', '/color_extract', '/turtlebot3_teleop_keyboard'
@@ -23,6 +24,14 @@ CASES = {
                '/color_extract/green_hue_min: got nothing', 'from 0 to 180'),
     'a limit': ('teleop_key.py', ['_max_linear_velocity:=fast'],
                 "max_linear_velocity: got 'fast'", 'a finite number'),
+    'an integer of more than 32 bits': (
+        'teleop_key.py', ['_max_linear_velocity:=99999999999'],
+        'parameter ~max_linear_velocity: got 99999999999', 'at most 32 bits'),
+    'integers of more than 32 bits': ('color_img_recog.py', ['_colors:=[1, -2147483649]'],
+                                      'colors: got [1, -2147483649]', 'at most 32 bits'),
+    'a value that is not sent': ('usb_cam_node.py', ['_framerate:=null'],
+                                 'framerate: got None', 'numbers'),
+    'no YAML': ('usb_cam_node.py', ['_framerate:=[1'], 'invalid command-line parameters', ''),
     'no topic': ('color_img_recog.py', ["_blue_image_topic:=a b"],
                  "/color_extract/blue_image_topic: got 'a b'", 'a valid topic name'),
     'its own input': ('color_img_recog.py', ['_blue_image_topic:=/usb_cam/image_raw'],
@@ -54,6 +63,17 @@ def test_values_of_another_type_leave_the_defaults_of_usb_cam_with_a_line_each(r
                  "/image_raw/compressed/png_level: got '1', allowed is .* 9; using 9"):
         camera.wait_output(r'\[WARN\].* parameter /usb_cam' + line)
     camera.wait_output('camera: synthetic scene')
+
+
+def test_roslaunch_starts_nothing_if_the_recording_cannot_be_written(capfd, tmp_path, monkeypatch):
+    monkeypatch.setenv('PWD', str(tmp_path))
+    for bag in 'a.bag', str(tmp_path / 'a b.bag'):
+        assert [node.name for node in launch_config('record.launch', 'record:=' + bag).nodes] == [
+            'record']
+    for bag in '/no such/x.bag', 'no/x.bag':
+        with pytest.raises(Exception, match='record_folder'):
+            launch_config('record.launch', 'record:=' + bag)
+        assert 'record: {} cannot be written; give '.format(bag) in capfd.readouterr().err
 
 
 def test_no_robot(roscore):

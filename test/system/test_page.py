@@ -199,6 +199,25 @@ def test_arrow_keys_drive_after_a_click_on_a_tab(page):
     assert page.js(HELD) == []
 
 
+def test_the_joystick_of_a_phone_drives_the_robot_at_any_speed(demo, page):
+    stick = 'const stick = document.querySelector("[data-stick]");'
+    assert not page.js(stick + 'return stick.offsetParent')
+    page.resize(*PHONE)
+    box = page.js(stick + 'const { right, bottom } = stick.getBoundingClientRect();'
+                  'return [innerWidth - right, innerHeight - bottom]')
+    assert 0 <= box[0] < 30 and 0 <= box[1] < 30
+    send = stick + """stick.setPointerCapture = () => {};
+        const box = stick.getBoundingClientRect();
+        stick.dispatchEvent(new PointerEvent(arguments[0], {
+          bubbles: true, pointerId: 5, isPrimary: true, clientX: box.left + box.width / 2,
+          clientY: box.top + arguments[1] * box.height }))"""
+    page.js(send, 'pointerdown', 0.4)
+    page.js(send, 'pointermove', 0.25)          # half of the highest speed
+    wait_for(lambda: speeds(demo, 10) == pytest.approx(10 * [0.11], abs=0.02), 'half the speed')
+    page.js(send, 'pointerup', 0.25)
+    wait_for(lambda: speeds(demo) == pytest.approx([0.0], abs=0.01), 'the robot to stand')
+
+
 def test_a_held_key_ends_with_the_connection(demo, page):
     script = page.driver.execute_cdp_cmd('Page.addScriptToEvaluateOnNewDocument', {'source': '''
         window.sockets = [];

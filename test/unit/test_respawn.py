@@ -22,11 +22,18 @@ def wait():
     while True:
         time.sleep(0.05)
 '''
-# calls respawn.py as roslaunch does, and writes what it gets
+# calls respawn.py as roslaunch does, which also starts nodes in threads, and writes what it gets
 PARENT = '''
-import signal, subprocess, sys
+import os, signal, subprocess, sys, threading
 signal.signal(signal.SIGINT, lambda *_: print('interrupted', flush=True))
-process = subprocess.Popen(sys.argv[1:], start_new_session=True)
+def start():
+    global process
+    process = subprocess.Popen(sys.argv[1:], start_new_session=True)
+thread = threading.Thread(target=start)
+thread.start()
+thread.join()
+while len(os.listdir('/proc/self/task')) > 1:       # the kernel signals its children before
+    pass
 print('child', process.pid, flush=True)
 process.wait()
 '''
@@ -107,6 +114,15 @@ def test_is_not_started_again(run, code, reason):
     assert len(process.pids) == 1 and is_alive(process.pid)     # or roslaunch would start it again
     process.signal(signal.SIGINT)
     assert len(process.pids) == 1
+
+
+@pytest.mark.parametrize('code', ['wait()', 'sys.exit(70)'])
+def test_it_and_its_node_do_not_outlive_roslaunch_that_is_killed(run, code):
+    process = run(code)
+    child = process.wait_starts(3 if 'exit' in code else 1)
+    process.process.kill()
+    wait_for(lambda: not is_alive(process.pid) and not is_alive(child), 'the end')
+    assert not is_alive(process.pids[-1])
 
 
 def test_it_does_not_outlive_roslaunch_when_the_node_has_ended(run):

@@ -6,6 +6,7 @@ import queue
 import sys
 import threading
 import traceback
+import xmlrpc.client
 from types import MappingProxyType
 from typing import Callable, Iterator
 
@@ -50,6 +51,7 @@ def run(name: str, serve: Callable[[], None],
     # rospy's own handler shuts down inside the interrupted call; if that is a publish in the
     # main thread, both wait for the same lock for ever
     try:
+        _check_command_line()
         rosout.init_node(name, disable_signals=True,
                          disable_rostime=source_of_time and not own_time.follows_clock_topic())
     except UserError as error:      # there is no log yet
@@ -72,6 +74,21 @@ def run(name: str, serve: Callable[[], None],
     if code == 0 and _SUPERVISED in os.environ and rospy.core.is_shutdown_requested():
         code = _shutdown_code(reasons)
     return code
+
+
+def _check_command_line() -> None:
+    """Raise ParameterError for a parameter that rospy cannot send to the master."""
+    try:
+        given = rospy.client.load_command_line_node_params(sys.argv)
+    except rospy.exceptions.ROSInitException as error:      # no YAML
+        raise ParameterError(one_line(error))
+    for parameter, value in given.items():
+        try:
+            xmlrpc.client.dumps((value,))
+        except (OverflowError, TypeError):
+            raise ParameterError(
+                'parameter ~{}: got {}, allowed are true, false, texts, numbers, and lists of '
+                'them; integers have at most 32 bits'.format(parameter, shortened(repr(value))))
 
 
 def _shutdown_code(reasons: 'queue.Queue[str]') -> int:

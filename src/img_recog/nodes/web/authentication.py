@@ -12,6 +12,8 @@ from starlette.responses import HTMLResponse, PlainTextResponse
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 from starlette.websockets import WebSocketClose
 
+from img_recog.nodes.web.connections import admit
+
 _REFUSED = 1008                 # a close code of RFC 6455
 _SAFE_METHODS = ('GET', 'HEAD')
 
@@ -69,9 +71,11 @@ class Authentication:
         if not _is_foreign(request):
             if is_http and request.scope['path'] == '/' and 'token' in query:
                 if self._is_token(query['token']):
+                    admit(request.scope)
                     return self._entrance(query.get('robot', ''))
             elif any(map(self._is_token, _cookies(
                     request.headers.get('cookie', ''), self._cookie))):
+                admit(request.scope)
                 return None
         # closing a WebSocket before it is accepted answers 403
         return PlainTextResponse(_REFUSAL, 403) if is_http else WebSocketClose(_REFUSED)

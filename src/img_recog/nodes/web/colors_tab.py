@@ -89,6 +89,7 @@ class ColorsTab:
                         picture(self._t, each, 'pick')
                     elif each.title == 'mask':
                         self._masks[each.color] = picture(self._t, each)
+                self._at_hand = ui.element('div').classes('samples at-hand')
             self._tuning = ui.element('div').classes('column-cards')
         self._build({}, [])
         ui.on('mark', self._on_mark, throttle=0.2)
@@ -114,6 +115,7 @@ class ColorsTab:
         """Make the sliders of all colors."""
         self._names = names
         self._tuning.clear()
+        self._at_hand.clear()
         self._sliders.clear()
         if self._samples is not None:
             self._samples = None
@@ -139,10 +141,10 @@ class ColorsTab:
                 with section, ui.element('div').classes('sliders'):
                     for part, low, high, step in _SLIDERS:
                         self._slider(name, part, low, high, step, values)
-            with ui.element('div').classes('samples at-hand'):
-                button('save', self._t('save'), self._save)
-                button('undo', self._t('undo'), self._changes.take_back).bind_visibility_from(
-                    self._changes, 'steps', bool)
+        with self._at_hand:
+            button('save', self._t('save'), self._save)
+            button('undo', self._t('undo'), self._changes.take_back).bind_visibility_from(
+                self._changes, 'steps', bool)
 
     def _show_mask(self, color: str) -> None:
         if color == NO_COLOR:       # the last one stays

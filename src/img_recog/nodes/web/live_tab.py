@@ -30,6 +30,7 @@ TEXTS = {
     'left': ('Turn left', '左旋回'),
     'right': ('Turn right', '右旋回'),
     'stop': ('Stop', '停止'),
+    'joystick': ('Joystick: drag to drive', 'ジョイスティック: ドラッグして操縦'),
     'max_linear': ('Highest speed (m/s)', '最高速度 (m/s)'),
     'max_angular': ('Highest turn rate (rad/s)', '最高旋回速度 (rad/s)'),
     'areas': ('Areas of the colors (pixels, logarithmic); dashed: limits',
@@ -90,6 +91,9 @@ class LiveTab:
             with ui.element('div').classes('column-cards'):
                 self._drive()
                 self._simulation()
+        with ui.element('div').classes('stick').props(
+                'data-stick role=img aria-label="{}"'.format(self._t('joystick'))):
+            ui.element('div').classes('knob')
         ui.on('pose', self._on_pose, throttle=0.2)
 
     def _show_with(self, topic: str, element: Any) -> None:
@@ -145,7 +149,7 @@ class LiveTab:
                     if not key:
                         ui.element('div')
                         continue
-                    ui.button(icon=icon).props(
+                    ui.button(icon=icon, color='negative' if key == 'stop' else 'primary').props(
                         'data-drive="{}" aria-label="{}" title="{}"'.format(
                             direction, self._t(key), self._t(key)))
             ui.element('p').props('data-bind=busy role=status')

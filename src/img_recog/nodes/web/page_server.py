@@ -9,11 +9,11 @@ from typing import Any, Callable, Optional
 import uvicorn
 
 from img_recog.errors import UserError, one_line
+from img_recog.nodes.web.connections import ACCEPTED_AT_A_TIME, HEADER_TIMEOUT_S, Connection
 
 PORTS = 11             # tried, from the first one on
 _MAX_PORT = 65535
 END_TIMEOUT_S = 2.0
-MAX_CONNECTIONS = 500  # also those that a browser keeps open
 _MAX_BYTES = 1 << 16    # of the header of a request, and of a message on a WebSocket
 _HEADERS = [('x-frame-options', 'DENY'), ('x-content-type-options', 'nosniff'),
             ('referrer-policy', 'no-referrer')]
@@ -66,10 +66,10 @@ class Server:
         """Start to serve; failed: is called with an error that ends the server."""
         # JPEG images do not get smaller
         self._server = uvicorn.Server(uvicorn.Config(
-            app, http='h11', limit_concurrency=MAX_CONNECTIONS, log_level='error',
+            app, http=Connection, backlog=ACCEPTED_AT_A_TIME, log_level='error',
             access_log=False, h11_max_incomplete_event_size=_MAX_BYTES, ws_max_size=_MAX_BYTES,
             lifespan='on', server_header=False, headers=_HEADERS, ws_per_message_deflate=False,
-            timeout_keep_alive=30, timeout_graceful_shutdown=1))
+            timeout_keep_alive=int(HEADER_TIMEOUT_S), timeout_graceful_shutdown=1))
         self._sock, self._failed = sock, failed
         self._thread = threading.Thread(target=self._run, daemon=True)
         self._thread.start()

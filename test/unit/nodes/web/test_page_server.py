@@ -1,14 +1,16 @@
 """The address of the page, and the server."""
+import asyncio
 import contextlib
 import logging
 import socket
-import urllib.error
+import threading
 import urllib.request
 
 import pytest
 
 from img_recog.errors import UserError
-from img_recog.nodes.web import page_server
+from img_recog.nodes.web import connections, page_server
+from img_recog.nodes.web.connections import admit
 from img_recog.nodes.web.page_server import Server, address, listen
 from img_recog_helpers.waiting import DEADLINE_S, wait_for
 
@@ -21,7 +23,7 @@ def free_port():
 
 
 @contextlib.contextmanager
-def connections(address):
+def open_connections(address):
     """Yield a function that connects to a server and sends data; close all at the end."""
     with contextlib.ExitStack() as socks:
         def connect(data=b''):
@@ -97,6 +99,10 @@ def test_what_libraries_log_as_errors_is_reported(capfd):
     assert capfd.readouterr().err == ''
 
 
+WEB_SOCKET = (b'GET / HTTP/1.1\r\nHost: x\r\nUpgrade: websocket\r\nConnection: Upgrade\r\n'
+              b'Sec-WebSocket-Version: 13\r\nSec-WebSocket-Key: AAAAAAAAAAAAAAAAAAAAAA==\r\n\r\n')
+
+
 async def hello(scope, receive, send):
     if scope['type'] == 'lifespan':
         while True:
@@ -109,8 +115,18 @@ async def hello(scope, receive, send):
         while (await receive())['type'] != 'websocket.disconnect':
             pass
         return
+    if scope['path'] == '/with-token':
+        admit(scope)
+    while scope['path'] == '/slow' and not Slow.go_on.is_set():
+        await asyncio.sleep(0.01)
     await send({'type': 'http.response.start', 'status': 200, 'headers': []})
     await send({'type': 'http.response.body', 'body': b'hello'})
+
+
+class Slow:
+    """Responses to /slow wait for it."""
+
+    go_on = threading.Event()
 
 
 @pytest.fixture
@@ -131,13 +147,12 @@ def serve():
 @pytest.mark.parametrize('begin, piece', [
     (b'GET / HTTP/1.1\r\na: ', 65536 * b'b'),
     (b'GET / HTTP/1.1\r\n', 4096 * b'a: bcdefghijkl\r\n'), (b'GET /', 65536 * b'b'),
-    (b'GET / HTTP/1.1\r\nHost: x\r\nUpgrade: websocket\r\nConnection: Upgrade\r\n'
-     b'Sec-WebSocket-Version: 13\r\nSec-WebSocket-Key: AAAAAAAAAAAAAAAAAAAAAA==\r\n\r\n',
+    (WEB_SOCKET,
      b'\x81\xff' + bytes([0, 0, 0, 0, 0, 2, 0, 0]) + bytes(4) + 131072 * b'a')],
     ids=['value', 'headers', 'path', 'message'])
 def test_what_is_endless_is_ended_and_others_are_served(serve, begin, piece):
     address_of = serve()
-    with connections(address_of) as connect:
+    with open_connections(address_of) as connect:
         with pytest.raises(ConnectionError):
             sock = connect(begin)
             for _ in range(1000):
@@ -147,23 +162,77 @@ def test_what_is_endless_is_ended_and_others_are_served(serve, begin, piece):
             assert b'hello' in answer.read()
 
 
-def test_too_many_connections(serve, monkeypatch):
-    monkeypatch.setattr(page_server, 'MAX_CONNECTIONS', 3)
+REQUEST = b'GET /{} HTTP/1.1\r\nHost: x\r\n'
+
+
+def request(path=''):
+    return REQUEST.replace(b'{}', path.encode())
+
+
+def read_response(sock, ending=b'hello\r\n0\r\n\r\n'):
+    """Read until the end of a response."""
+    received = b''
+    while ending not in received:
+        data = sock.recv(1000)
+        assert data, received
+        received += data
+
+
+@pytest.mark.parametrize('piece', [b'', b'G', request(), request() + b'Connection: keep-alive'])
+@pytest.mark.parametrize('path', ['', 'with-token'])
+def test_an_unfinished_header_ends_a_connection(serve, monkeypatch, piece, path):
+    monkeypatch.setattr(connections, 'HEADER_TIMEOUT_S', 0.3)
+    with open_connections(serve()) as connect:
+        assert is_closed(connect(piece))
+        sock = connect(request(path) + b'\r\n')        # the second header is unfinished
+        read_response(sock)
+        with contextlib.suppress(ConnectionError):
+            sock.sendall(piece)
+        assert is_closed(sock)
+
+
+def test_bytes_one_by_one_do_not_prolong_the_time_of_a_header(serve, monkeypatch):
+    monkeypatch.setattr(connections, 'HEADER_TIMEOUT_S', 0.3)
+    with open_connections(serve()) as connect:
+        sock = connect(request())
+
+        def is_ended():
+            try:
+                sock.sendall(b'a')
+            except ConnectionError:
+                return True
+        wait_for(is_ended, 'the end of the connection')
+
+
+def test_a_response_and_a_web_socket_may_take_longer_than_a_header(serve, monkeypatch):
+    monkeypatch.setattr(connections, 'HEADER_TIMEOUT_S', 0.3)
     address_of = serve()
-    url = 'http://{}:{}/'.format(*address_of)
-    with connections(address_of) as connect:
-        socks = [connect() for _ in range(2)]
-        wait_for(lambda: status(url) == 503, lambda: 'the refusal of {}'.format(url))
-        for sock in socks:
-            sock.close()
-        wait_for(lambda: status(url) == 200, lambda: 'the answer of {}'.format(url))
+    with open_connections(address_of) as connect:
+        slow = connect(request('slow') + b'\r\n')
+        socket_of_web = connect(WEB_SOCKET)
+        read_response(socket_of_web, b'\r\n\r\n')
+        assert is_closed(connect())         # the time of a header has passed
+        Slow.go_on.set()
+        read_response(slow)
+        socket_of_web.settimeout(0.1)
+        with pytest.raises(socket.timeout):
+            socket_of_web.recv(1)
 
 
-def status(url):
-    try:
-        return urllib.request.urlopen(url, timeout=DEADLINE_S).status
-    except urllib.error.HTTPError as error:
-        return error.code
+def test_strangers_push_out_strangers_and_never_visitors_with_the_token(serve, monkeypatch):
+    monkeypatch.setattr(connections, 'MAX_STRANGERS', 3)
+    with open_connections(serve()) as connect:
+        visitor = connect(request('with-token') + b'\r\n')
+        read_response(visitor)
+        strangers = [connect(request()) for _ in range(20)]
+        assert all(map(is_closed, strangers[:-3]))
+        visitor.sendall(request() + b'\r\n')
+        read_response(visitor)
+        other = connect(request('with-token') + b'\r\n')
+        read_response(other)
+        assert is_closed(strangers[-3])
+        strangers[-1].sendall(b'\r\n')
+        read_response(strangers[-1])
 
 
 def test_a_server_answers_until_it_is_closed(monkeypatch):

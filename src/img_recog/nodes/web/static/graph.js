@@ -3,6 +3,7 @@
 
 (() => {
   const { all, show, visible } = page;
+  const TEXT_PX = 12;             // the least height of a text; graphviz writes 14 pt
   const loading = new Map();      // the images of graphs, and whether each is to be loaded again
 
   function loadGraph(image) {
@@ -14,7 +15,12 @@
       loading.delete(image);
       if (isOld) loadGraph(image);
     };
-    next.onload = () => { image.src = next.src; show('[data-bind=graph]', ''); end(); };
+    next.onload = () => {
+      image.src = next.src;
+      image.style.minWidth = `${Math.round(TEXT_PX / (14 * 96 / 72) * next.naturalWidth)}px`;
+      show('[data-bind=graph]', '');
+      end();
+    };
     next.onerror = async () => {
       try {
         const answer = await fetch(next.src);

@@ -9,6 +9,7 @@
   const PATH_POINTS = 4000;
   const MAP_LINES = 12;           // of its grid, in each direction
   const LABELS_PX = 46;           // the width of a label of it
+  const KNOB_PX = 40;             // how far the knob of the joystick moves
   const KEYS = {
     w: [1, 0], arrowup: [1, 0], x: [-1, 0], arrowdown: [-1, 0],
     a: [0, 1], arrowleft: [0, 1], d: [0, -1], arrowright: [0, -1], s: [0, 0],
@@ -174,12 +175,7 @@
       end = x + context.measureText(label).width + 3;
     }
     context.globalAlpha = 1;
-    context.strokeStyle = css('--line');
-    context.fillStyle = css('--soft');
-    for (const outline of state.outlines || []) {
-      line(context, [...outline, outline[0]].map(at));
-      context.fill();
-    }
+    mapping.drawOutlines(drawing, state.outlines || [], css('--line'), css('--soft'));
     context.fillStyle = css('--ink');
     for (const label of labels) {
       if (label[1] + context.measureText(label[0]).width < side) context.fillText(...label);
@@ -195,14 +191,14 @@
         part = [];
       }
     }
-    for (const [name, place] of Object.entries(state.robots || {})) {
-      if (name === window.robot) continue;
+    const others = Object.entries(state.robots || {}).filter(([name]) => name !== window.robot);
+    for (const [, place] of others) {
       arrow(context, at(place), place[2], Math.max(8 * devicePixelRatio, 0.12 * scale), '#9ca3af');
-      context.fillStyle = css('--ink');
-      const width = context.measureText(name).width + 10 * devicePixelRatio;
-      context.fillText(name, Math.min(at(place)[0] + 10 * devicePixelRatio, side - width),
-        at(place)[1]);
     }
+    context.fillStyle = css('--ink');
+    const names = others.map(([name, place]) => [
+      name, at(place), context.measureText(name).width]);
+    for (const [name, x, y] of mapping.placeLabels(names, side)) context.fillText(name, x, y);
     if (!state.pose) return;
     if (state.scan) mapping.drawScan(drawing, state.scan, state.scan.pose || state.pose);
     mapping.drawRobot(drawing, state.pose, '#16a34a');
@@ -220,6 +216,10 @@
   const isBusy = () => Date.now() < (state.busyUntil || 0);
 
   function mark() {
+    const [forward, left] = isBusy() ? [0, 0] : driven();
+    for (const knob of all('[data-stick] .knob')) {
+      knob.style.transform = `translate(${-left * KNOB_PX}px, ${-forward * KNOB_PX}px)`;
+    }
     const directions = new Set([...held.values()].map(String));
     for (const button of all('[data-drive]')) {
       button.classList.toggle('held', directions.has(button.dataset.drive) && !isBusy());
@@ -270,11 +270,34 @@
     if (!button) return;
     hold(event.pointerId, button.dataset.drive.split(',').map(Number));
   });
+  // the joystick: forward and left, each from -1 to 1, at most 1 together
+  const stickAt = ({ target }) => target.closest && target.closest('[data-stick]');
+  function tilt(stick, event) {
+    const box = stick.getBoundingClientRect();
+    const forward = 1 - 2 * (event.clientY - box.top) / box.height;
+    const left = 1 - 2 * (event.clientX - box.left) / box.width;
+    const far = Math.max(1, Math.hypot(forward, left));
+    return [forward / far, left / far];
+  }
+  document.addEventListener('pointerdown', (event) => {
+    const stick = stickAt(event);
+    if (!stick) return;
+    stick.setPointerCapture(event.pointerId);
+    hold(event.pointerId, tilt(stick, event));
+  });
+  document.addEventListener('pointermove', (event) => {
+    const stick = stickAt(event);
+    if (!stick || !held.has(event.pointerId)) return;
+    held.set(event.pointerId, tilt(stick, event));
+    mark();
+  });
   for (const name of ['pointerup', 'pointercancel']) {
     document.addEventListener(name, (event) => letGo(event.pointerId));
   }
   document.addEventListener('contextmenu', (event) => {
-    if (event.target.closest && event.target.closest('[data-drive]')) event.preventDefault();
+    if (event.target.closest && event.target.closest('[data-drive], [data-stick]')) {
+      event.preventDefault();
+    }
   });
   // with the keyboard alone: a button drives as long as Enter or Space is held on it; before the
   // buttons of Quasar, which stop these events

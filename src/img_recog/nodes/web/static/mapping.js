@@ -78,6 +78,36 @@
     });
   }
 
+  // walls and things from above: first all edges, then all tops, which cover the edges of
+  // triangles inside of a top
+  function drawOutlines({ context, at }, outlines, edge, top) {
+    for (const [color, width] of [[edge, 3], [top, 1]]) {
+      context.strokeStyle = color;
+      context.fillStyle = color;
+      context.lineWidth = width * devicePixelRatio;
+      for (const outline of outlines) {
+        line(context, [...outline, outline[0]].map(at));
+        context.fill();
+      }
+    }
+  }
+
+  // the left end of the base line of each name, at its robot, where no other name is
+  function placeLabels(names, side) {
+    const [gap, height] = [10 * devicePixelRatio, 13 * devicePixelRatio];
+    const placed = [];
+    for (const [name, [robotX, robotY], width] of names) {
+      const right = Math.max(0, Math.min(robotX + gap, side - width - gap));
+      const left = Math.max(0, robotX - gap - width);
+      const isFree = ([x, y]) => placed.every(([, otherX, otherY, otherWidth]) => (
+        Math.abs(y - otherY) >= height || x >= otherX + otherWidth || otherX >= x + width));
+      const places = [0, 1, -1, 2, -2, 3, -3, 4, -4].flatMap(
+        (row) => [[right, robotY + row * height], [left, robotY + row * height]]);
+      placed.push([name, ...(places.find(isFree) || places[0]), width]);
+    }
+    return placed;
+  }
+
   function drawRobot({ context, at, scale }, pose, color) {
     arrow(context, at(pose), pose[2], Math.max(10 * devicePixelRatio, 0.15 * scale), color);
   }
@@ -118,5 +148,5 @@
   });
   document.addEventListener('pointercancel', (event) => { event.target.target = null; });
 
-  page.mapping = { arrow, begin, drawRobot, drawScan, drawTarget, line };
+  page.mapping = { arrow, begin, drawOutlines, drawRobot, drawScan, drawTarget, line, placeLabels };
 })();

@@ -135,6 +135,17 @@
       ? text('age').replace('{}', Math.round(age / 1000)) : '';
   }
 
+  // ---- a click shows a picture as large as the window; Escape or another click ends that
+  function grow(picture) {
+    all('.picture.grown').forEach((each) => each.classList.remove('grown'));
+    if (picture) picture.classList.add('grown');
+  }
+  document.addEventListener('click', ({ target }) => {
+    const picture = target.closest && target.closest('.picture');
+    grow(picture && !picture.querySelector('.pick') && !picture.matches('.grown') && picture);
+  });
+  document.addEventListener('keydown', ({ key }) => { if (key === 'Escape') grow(null); });
+
   setInterval(() => {
     if (document.hidden) return;
     show('[data-bind=connection]', text(
