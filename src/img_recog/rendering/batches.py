@@ -244,9 +244,9 @@ def _material(visual: Visual, part: Triangles) -> Material:
 
 
 def _bends(corners: np.ndarray) -> bool:
-    """Return whether normals of a triangle differ by 60 degrees: then pixels are lit, as in Gazebo.
+    """Return whether normals of a triangle differ by 60 degrees: pixels are lit then.
 
-    For smaller angles, the light between the corners is nearly a mixture of the light there.
+    Gazebo lights all pixels. For smaller angles, a mixture of the light at the corners is near it.
     """
     normals = corners['normal'].reshape(-1, 3, 3)
     return bool(((normals * np.roll(normals, 1, axis=1)).sum(axis=2) < 0.5).any())

@@ -48,8 +48,8 @@ def geotiff(folder, heights, no_data='', geographic=True, **options):
 def ascii_grid(folder, heights, header='cellsize 1e-5\nNODATA_value -9999\n'):
     (folder / 'a.prj').write_text(PROJECTION)
     rows = '\n'.join(' '.join(map(repr, row.tolist())) for row in heights)
-    (folder / 'a.asc').write_text('ncols {1}\nnrows {0}\nxllcorner 10\nyllcorner 44.99967\n'.format(
-        *heights.shape) + header + rows)
+    size = 'ncols {1}\nnrows {0}\nxllcorner 10\nyllcorner 44.99967\n'.format(*heights.shape)
+    (folder / 'a.asc').write_text(size + header + rows)
     return str(folder / 'a.asc')
 
 
@@ -131,7 +131,8 @@ def test_what_cannot_be_read_has_one_line(tmp_path, name, content, words):
 
 
 @pytest.mark.parametrize('heights, no_data, words', [
-    (hills(), '5', 'it has no height above 5'), (np.zeros((8000, 8000), np.uint8), '', 'more than'),
+    (hills(), '5', 'it has no height above 5'),
+    (np.zeros((8000, 8000), np.uint8), '', 'more than'),
     (np.zeros((2, 2, 3), np.uint8), '', 'one band')])
 def test_geotiffs_that_are_refused(tmp_path, heights, no_data, words):
     assert words in refusal(shape, geotiff(tmp_path, heights, no_data), SIZE)
