@@ -112,15 +112,25 @@ def output_paths(source: str, output: str, extensions: Sequence[str],
     the output, a part of the names.
     Raises UserError when there is no such folder, or when a path is that of `source`.
     """
-    stem = os.path.splitext(os.path.basename(source))[0] + '.' + kind
-    prefix = os.path.join(output, stem) if os.path.isdir(output or '.') else output
-    if prefix.endswith(os.sep):
-        raise UserError('cannot write to {}: no such folder'.format(output),
-                        'make it, or set --output to another')
+    prefix = output_prefix(
+        output, os.path.splitext(os.path.basename(source))[0] + '.' + kind)
     paths = tuple(prefix + extension for extension in extensions)
     for path in paths:
         refuse_input(path, source, 'read', 'set --output to another')
     return paths
+
+
+def output_prefix(output: str, name: str) -> str:
+    """Return the common prefix of the paths of output files.
+
+    output: as for `output_paths`. name: Prefix in a folder. Raises UserError if the folder of the
+    files does not exist.
+    """
+    prefix = os.path.join(output, name) if os.path.isdir(output or '.') else output
+    if not os.path.isdir(os.path.dirname(prefix) or '.'):
+        raise UserError('cannot write to {}: no such folder'.format(output),
+                        'make it, or set --output to another')
+    return prefix
 
 
 def refuse_input(path: str, source: str, use: str, advice: str) -> None:

@@ -156,7 +156,7 @@ def test_a_simulator_that_fails_is_asked_again_in_peace(shared_ros):
 
 
 LIST = '''\
-- {name: a, x_pos: 1.0}
+- {name: a, x_pos: 1.0, colors: a.yaml}
 - {name: a}
 - {name: b, colors: none.yaml}
 - {name: c, urdf: none.urdf}
@@ -166,6 +166,7 @@ LIST = '''\
 def test_the_nodes_of_each_robot_start_and_end_with_it(ros, tmp_path):
     path = tmp_path / 'robots.yaml'
     path.write_text(LIST)
+    (tmp_path / 'a.yaml').write_text('min_blob_size: 77\nstop_when_lost: 0.7\n')
     # nothing moves: time may pass slowly
     demo = ros.demo('robots:={}'.format(path), 'camera:=none', 'world:=empty',
                     'real_time_factor:=0.2')
@@ -180,7 +181,16 @@ def test_the_nodes_of_each_robot_start_and_end_with_it(ros, tmp_path):
     wait_for(lambda: running(ros, 'a') == ['/a/' + name for name in nodes],
              lambda: running(ros, 'a'))
     assert simulated(ros) == ['a']
-    path.write_text('- {name: d, recognition: false}\n- {name: a, x_pos: 1.0}\n')
+    assert ros.parameter('/a/color_extract/min_blob_size') == 77
+    # the new file at the same path is silent about one of the values
+    (tmp_path / 'a.yaml').write_text('stop_when_lost: 0.6\n')
+    assert not services.call('/robots/reload', {})['success']       # b and c
+    wait_for(lambda: ros.parameter('/a/color_extract/stop_when_lost') == 0.6,
+             lambda: ros.parameter('/a/color_extract'))
+    assert ros.parameter('/a/color_extract/min_blob_size') != 77
+    wait_for(lambda: running(ros, 'a') == ['/a/' + name for name in nodes],
+             lambda: running(ros, 'a'))
+    path.write_text('- {name: d, recognition: false}\n- {name: a, x_pos: 1.0, colors: a.yaml}\n')
     assert services.call('/robots/reload', {}) == {'success': True, 'message': ''}
     wait_for(lambda: running(ros, 'd') == ['/d/' + name for name in nodes[1:]],
              lambda: running(ros, 'd'))
@@ -191,6 +201,7 @@ def test_the_nodes_of_each_robot_start_and_end_with_it(ros, tmp_path):
                       'tb3_0'}
     wait_for(lambda: running(ros, 'a') == [] and simulated(ros) == ['d'],
              lambda: (running(ros, 'a'), simulated(ros)))
+    assert not ros.parameter('/a') and ros.parameter('/d/robot_description')
     path.write_text('nothing: useful\n')
     assert 'got dict' in services.call('/robots/reload', {})['message']
     assert len(running(ros, 'd')) == 2

@@ -98,6 +98,7 @@ ASKED = """rosrun greeter greet
 python3 -c 'from greeter.msg import Greeting; print(Greeting(text="hello from Python").text)'
 rospack find img_recog
 rosrun img_recog new_package.py --help
+xacro "$(rospack find greeter)/greeter.xacro"
 echo "CMAKE_PREFIX_PATH=$CMAKE_PREFIX_PATH LD_LIBRARY_PATH=$LD_LIBRARY_PATH"
 """
 
@@ -125,6 +126,7 @@ def test_a_workspace_that_was_sourced_before_run_is_kept(tmp_path):
             assert '\n{}\n'.format(line) in '\n' + output, output
         assert output.count('\n{}\n'.format(ROOT)) == 1 + ('<' in shell), output
         assert 'usage: new_package.py' in output, output
+        assert '<link name="hand_link"/>' in output, output
         assert 'CMAKE_PREFIX_PATH={0}/devel:{1}/devel'.format(ROOT, workspace) in output, output
         assert '{}/devel/lib'.format(workspace) in output.rpartition('LD_LIBRARY_PATH=')[2], output
 
@@ -144,6 +146,7 @@ catkin_package(CATKIN_DEPENDS xacro)
     env = {'HOME': str(tmp_path), 'PATH': '/usr/sbin:/usr/bin:/sbin:/bin'}
     bash('source {}/devel/setup.bash; cd {} && catkin_make'.format(ROOT, tmp_path / 'robot_ws'),
          env)
-    output = bash('source {}/robot_ws/devel/setup.bash; '
-                  'roslaunch --dump-params greeter greet.launch'.format(tmp_path), env)
-    assert '<link name="hand_link"/>' in output.replace('\\', ''), output
+    for command in ('roslaunch --dump-params greeter greet.launch',
+                    'xacro $(rospack find greeter)/greeter.xacro'):
+        output = bash('source {}/robot_ws/devel/setup.bash; {}'.format(tmp_path, command), env)
+        assert '<link name="hand_link"/>' in output.replace('\\', ''), output

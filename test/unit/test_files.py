@@ -40,6 +40,7 @@ def test_names(folder, source, output, wanted):
 
 @pytest.mark.parametrize('output, named', [
     ('not/', 'cannot write to not/: no such folder; make it'),
+    ('not/a', 'cannot write to not/a: no such folder; make it'),
     ('a', 'cannot write a.bag: that is what is read; set --output'),
     ('link', 'cannot write link.bag: that is what is read')])
 def test_names_that_are_refused(folder, output, named):

@@ -40,14 +40,12 @@ def _run(arguments: List[str], interrupts: Interrupts) -> str:
         each.check_recordings(paths)
     if options.check:
         _check_colors(*sets)
-    if not os.path.isdir(os.path.dirname(options.output) or '.'):
-        raise UserError('cannot write {}: no such folder'.format(options.output),
-                        'make it, or set --output to another')
-    report = Report(options.output, sets, options.objective)
+    prefix = files.output_prefix(options.output, 'fit_colors')
+    report = Report(prefix, sets, options.objective)
     for path in [*paths, options.samples, options.check, options.colors]:
         for output in report.paths:
             files.refuse_input(output, path, 'read', 'set --output to another')
-    with Engine(options, interrupts, options.output, _log) as engine:
+    with Engine(options, interrupts, prefix, _log) as engine:
         summary = _Fitting(options, sets, paths, engine).run(report)
     return programs.Incomplete(summary) if engine.problems else summary
 
@@ -162,9 +160,9 @@ def _parse(arguments: Sequence[str]) -> argparse.Namespace:
     parser.add_argument('--objective', choices=OBJECTIVES, default=PIXELS,
                         help='what is best: most pixels right; most frames right; or the widest '
                         'margin for other light (default: %(default)s)')
-    parser.add_argument('--output', metavar='PREFIX', default='fit_colors',
-                        help='beginning of the paths of the results: .yaml, .md, .png, .csv '
-                        '(default: %(default)s)')
+    parser.add_argument('--output', metavar='FOLDER_OR_PREFIX', default='',
+                        help='where to write the files (default: fit_colors.yaml, .md, .png and '
+                        '.csv in the current folder)')
     add_options(parser)
     options = parser.parse_args(arguments)
     for name in ('samples', 'check', 'colors', 'output'):

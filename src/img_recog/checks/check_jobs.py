@@ -54,8 +54,10 @@ def _describe(words: List[str], _: object) -> str:
     parser = programs.parser('robot_description.py', 'Print the URDF of the file of a robot.')
     parser.add_argument('file', metavar='FILE', help='a URDF, or a xacro file, which is '
                         "expanded; with arguments: 'FILE NAME:=VALUE ...'")
+    given = parser.parse_args(words)
+    programs.keep_for_data()
     from img_recog.loading import robot_file
-    return robot_file.read(parser.parse_args(words).file)
+    return robot_file.read(given.file)
 
 
 def simulate_parser() -> argparse.ArgumentParser:
@@ -105,6 +107,7 @@ def _named(separator: str, counts: Sequence[int], expected: str) -> Callable[[st
 
 def _simulate(words: List[str], _: object) -> str:
     given = simulate_parser().parse_args(words)
+    programs.keep_for_data()
     from img_recog.checks import simulation_run
     run, told = simulation_run.SimulationRun(given), 0
     for line in run.lines():

@@ -1,13 +1,16 @@
 """The programs of the package: their command lines, their ends, and what they write."""
 import argparse
+import fcntl
 import logging
 import os
 import signal
 import sys
-from typing import Any, Callable, List, Optional, Sequence
+from typing import Any, Callable, List, Optional, Sequence, TextIO
 
 from img_recog.errors import UserError, named_in_crashes, one_line
 from img_recog.processes.signals import Interrupts
+
+_data: Optional[TextIO] = None      # standard output, after `keep_for_data`
 
 
 class _Lines(logging.Formatter):
@@ -50,8 +53,23 @@ def run(name: str, program: Callable[[List[str], Interrupts], str], failed: str 
 
 def write(text: str) -> None:
     """Write lines to stdout; not all terminals can show Japanese."""
-    encoding = sys.stdout.encoding or 'utf-8'
-    sys.stdout.write(text.encode(encoding, 'replace').decode(encoding) + '\n')
+    stdout = _data or sys.stdout
+    encoding = stdout.encoding or 'utf-8'
+    stdout.write(text.encode(encoding, 'replace').decode(encoding) + '\n')
+
+
+def keep_for_data() -> None:
+    """Keep stdout for `write`: what else is printed goes to stderr, also by libraries in C.
+
+    A program whose output other programs read calls this after it has read its command line.
+    """
+    global _data
+    if sys.stdout is None or sys.stdout is not sys.__stdout__:      # a test reads it
+        return
+    sys.stdout.flush()
+    # above 2: stderr may be closed
+    _data = open(fcntl.fcntl(1, fcntl.F_DUPFD_CLOEXEC, 3), 'w', 1, sys.stdout.encoding)
+    os.dup2(2 if sys.stderr else os.open(os.devnull, os.O_WRONLY), 1)
 
 
 def _run(name: str, program: Callable[[List[str], Interrupts], str], failed: str,
@@ -78,7 +96,7 @@ def _run(name: str, program: Callable[[List[str], Interrupts], str], failed: str
 
 def _flush(code: int) -> int:
     """Write out what stands in the buffers; return the exit code, 1 when nobody reads it."""
-    for stream in (sys.stdout, sys.stderr):
+    for stream in filter(None, (_data, sys.stdout, sys.stderr)):
         try:
             stream.flush()
         except OSError:

@@ -1,14 +1,15 @@
-"""The heightmaps of an SDF: terrain whose heights are the pixels of an image."""
+"""The heightmaps of an SDF: terrain whose heights are the pixels of an image, or a DEM."""
+import contextlib
 import functools
 import os
 import xml.etree.ElementTree as ElementTree
-from typing import NamedTuple, Tuple
+from typing import Iterator, NamedTuple, Tuple
 
 import numpy as np
 
 from img_recog.errors import SimulationError, one_line
 from img_recog.files import FindFile, no_file, plain
-from img_recog.formats import generated_meshes
+from img_recog.formats import elevations, generated_meshes
 from img_recog.formats.numbers import read_lengths, read_number, read_whole
 from img_recog.formats.texts import text_of
 from img_recog.model import HEIGHTMAP, Material, Shape
@@ -41,7 +42,7 @@ def shape(name: str, element: ElementTree.Element, find: FindFile) -> Tuple[Shap
     path = find(uri)
     if path is None or not os.path.isfile(path):
         raise SimulationError('heightmap ' + uri + no_file(path))
-    size = read_lengths('<size> of ' + name, element.findtext('size', '1 1 1'), 3)
+    size = _size(name, element, path)
     if not (size[:2] > 0).all():
         raise SimulationError('<size> of {}: got {!r}, expected more than 0'.format(
             name, element.findtext('size')))
@@ -52,14 +53,25 @@ def shape(name: str, element: ElementTree.Element, find: FindFile) -> Tuple[Shap
     return made, IDENTITY._replace(translation=position)
 
 
+def _size(name: str, element: ElementTree.Element, path: str) -> np.ndarray:
+    """Return the <size> of a heightmap; without one, that of the ground of a DEM."""
+    if element.find('size') is None:
+        with _refused(path):
+            found = elevations.read(path, _MAX_PIXELS)
+        if found is not None:
+            return np.array(found.size)
+    return read_lengths('<size> of ' + name, element.findtext('size', '1 1 1'), 3)
+
+
 def read(shape: Shape) -> Heightmap:
     """Return the heights of a HEIGHTMAP.
 
     As in Gazebo 11 (ImageHeightmap::FillHeightMap), the upper row of the image has the largest y,
     white the height <size> z if a pixel has the value 1, else the brightest pixel, and <sampling>
     - 1 points stand between two pixels. Where that gives more than 513 points on a side, there are
-    none; more than 1025 pixels are reduced.
-    Raises SimulationError when the image cannot be read.
+    none; more than 1025 pixels are reduced. A DEM begins at its lowest height, and <size> z is
+    the height of the highest point above that (Dem::FillHeightMap).
+    Raises SimulationError when the file cannot be read.
     """
     try:
         changed_ns = os.stat(shape.path).st_mtime_ns
@@ -71,11 +83,18 @@ def read(shape: Shape) -> Heightmap:
 @functools.lru_cache(maxsize=1)     # what is driven on is drawn too, and both are checked before
 def _heightmap(path: str, _: int, width: float, depth: float, top: float,
                sampling: int) -> Heightmap:
-    """Return the heightmap of an image; the time of its last change makes another one of it."""
-    pixels, brightest = _pixels(path)
+    """Return the heightmap of a file; the time of its last change makes another one of it."""
+    with _refused(path):
+        found = elevations.read(path, _MAX_PIXELS)
+        pixels, brightest = _pixels(path) if found is None else (found.points, found.size[2])
+    lowest = 0.0 if found is None else found.lowest
     rows, columns = (_coordinates(count, sampling) for count in pixels.shape)
-    heights = _interpolated(pixels, rows, columns) * abs(top) / (brightest or 1.0)
-    if top < 0:
+    heights = lowest + (_interpolated(pixels, rows, columns) - lowest) * abs(top) / (
+        brightest or 1.0)
+    if found is not None:
+        heights[np.isnan(heights)] = lowest
+        heights = np.maximum(heights, lowest) if top >= 0 else -heights
+    elif top < 0:
         heights = 1.0 - heights     # Gazebo does so
     heights = np.ascontiguousarray(heights[::-1])
     heights.flags.writeable = False
@@ -117,20 +136,29 @@ def _pixels(path: str) -> Tuple[np.ndarray, float]:
     for white. Of 16 bits, which Gazebo reads wrongly, white has the whole height.
     """
     from PIL import Image       # takes time, and few worlds have one
+    with open(path, 'rb', opener=plain) as file, Image.open(file) as image:
+        if image.width * image.height > _MAX_PIXELS or min(image.size) < 2:
+            raise ValueError('{}x{} pixels, expected 2 to {} in all, on a side 2 or more'
+                             .format(image.width, image.height, _MAX_PIXELS))
+        if image.mode in ('I', 'I;16', 'I;16B'):
+            return np.array(image, float), 65535.0
+        colors = np.array(image.convert('RGB')).reshape(-1, 3)
+        pixels = colors[:, 2].reshape(image.height, image.width).astype(float)
+        colors[colors == 1] = 255
+        return pixels, float(colors[colors.sum(axis=1, dtype=np.uint16).argmax(), 2])
+
+
+@contextlib.contextmanager
+def _refused(path: str) -> Iterator[None]:
+    """Raise SimulationError for any error that Pillow and OpenCV have with a file."""
     try:
-        with open(path, 'rb', opener=plain) as file, Image.open(file) as image:
-            if image.width * image.height > _MAX_PIXELS or min(image.size) < 2:
-                raise ValueError('{}x{} pixels, expected 2 to {} in all, on a side 2 or more'
-                                 .format(image.width, image.height, _MAX_PIXELS))
-            if image.mode in ('I', 'I;16', 'I;16B'):
-                return np.array(image, float), 65535.0
-            colors = np.array(image.convert('RGB')).reshape(-1, 3)
-            pixels = colors[:, 2].reshape(image.height, image.width).astype(float)
-            colors[colors == 1] = 255
-            return pixels, float(colors[colors.sum(axis=1, dtype=np.uint16).argmax(), 2])
-    except Exception as error:      # Pillow raises errors of many types
-        raise SimulationError('heightmap {}: {}'.format(path, one_line(error)),
-                              'give a PNG or JPEG file')
+        yield
+    except Exception as error:
+        reason = ('its format is not supported' if type(error).__name__ == 'UnidentifiedImageError'
+                  else one_line(error))
+        raise SimulationError('heightmap {}: {}'.format(path, reason), (
+            'give a PNG or JPEG file, or a DEM as ' + elevations.FORMATS
+            + '; gdal_translate of GDAL converts others'))
 
 
 def _coordinates(pixels: int, sampling: int) -> np.ndarray:

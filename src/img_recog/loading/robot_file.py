@@ -125,16 +125,25 @@ def _expanded(path: str, arguments: Sequence[str]) -> str:
 def _ros_command() -> Optional[str]:
     """Return the path of ROS 1's command xacro, None when that package is not installed."""
     try:
-        with open(os.path.join(rospkg.RosPack().get_path('xacro'), 'package.xml')) as file:
-            if '<exec_depend>img_recog<' in file.read():      # that of our devel space
-                return None
-    except (rospkg.ResourceNotFound, OSError):
+        if _is_our_package(rospkg.RosPack().get_path('xacro')):
+            return None
+    except rospkg.ResourceNotFound:
         return None
-    folders = os.environ.get('PATH', os.defpath).split(os.pathsep)
+    folders = [folder for folder in os.environ.get('PATH', os.defpath).split(os.pathsep)
+               if not _is_our_package(os.path.join(folder, os.pardir, 'share', 'xacro'))]
     if sys.prefix != sys.base_prefix:
         # a virtual environment may have ROS 2's
         folders = [folder for folder in folders if folder != os.path.join(sys.prefix, 'bin')]
     return shutil.which('xacro', path=os.pathsep.join(folders))
+
+
+def _is_our_package(folder: str) -> bool:
+    """Return whether a folder is the package xacro of our devel space, which runs pip's."""
+    try:
+        with open(os.path.join(folder, 'package.xml')) as file:
+            return '<exec_depend>img_recog<' in file.read()
+    except OSError:
+        return False
 
 
 def _expanded_by_command(command: str, path: str, arguments: Sequence[str]) -> str:

@@ -113,7 +113,7 @@ class SceneLoader:
             part = visual.part if is_moving else -1
             for corners, image, material in self._vertices(visual, pose):
                 key = (material.color[3] < 1, part, self._texture(image, old_textures),
-                       self._shines(material))
+                       self._shines(material) or _bends(corners))
                 grouped.setdefault(key, []).append((len(bounds), corners))
                 bounds.append(Bounds(part, corners['position'].min(axis=0),
                                      corners['position'].max(axis=0)))
@@ -136,9 +136,9 @@ class SceneLoader:
         return (self._lighting.have_highlights and material.shininess > 0
                 and max(material.specular) > 0)
 
-    def _program(self, is_textured: bool = False, shines: bool = False) -> moderngl.Program:
+    def _program(self, is_textured: bool = False, by_pixels: bool = False) -> moderngl.Program:
         options = (*(('TEXTURED',) if is_textured else ()),
-                   *(() if self._lighting.are_directions and not shines else ('PIXELS',)),
+                   *(() if self._lighting.are_directions and not by_pixels else ('PIXELS',)),
                    *(('FOG',) if self._surroundings.fog is not None else ()))
         if options not in self._programs:
             self._programs[options] = self._context.program(**shaders.shaded(*options))
@@ -200,7 +200,7 @@ class SceneLoader:
             self._missing.append(problem)
 
     def _batch(self, key: _Key, boxes: Sequence[int], corners: Sequence[np.ndarray]) -> Batch:
-        is_transparent, part, texture, shines = key
+        is_transparent, part, texture, by_pixels = key
         image = self._textures[texture][1] if texture != _NO_TEXTURE else None
         flags = moderngl.DEPTH_TEST
         if is_transparent:
@@ -208,7 +208,7 @@ class SceneLoader:
         if image is None or image.components == 3:
             flags |= moderngl.CULL_FACE     # like in Gazebo; leaves that are cut out have no back
         buffer = self._context.buffer(np.concatenate(corners))
-        program = self._program(image is not None, shines)
+        program = self._program(image is not None, by_pixels)
         shaded = self._context.vertex_array(program, [
             (buffer, '3f 3f 8x 1u', 'position', 'normal', 'material') if image is None else
             (buffer, '3f 3f 2f 1u', 'position', 'normal', 'uv', 'material')])
@@ -241,6 +241,15 @@ def _material(visual: Visual, part: Triangles) -> Material:
     if given is not None and not (visual.prefers_file and part.has_material):
         return given
     return (part.material if visual.shape.kind == MESH else WHITE).faded(visual.opacity)
+
+
+def _bends(corners: np.ndarray) -> bool:
+    """Return whether normals of a triangle differ by 60 degrees: pixels are lit then.
+
+    Gazebo lights all pixels. For smaller angles, a mixture of the light at the corners is near it.
+    """
+    normals = corners['normal'].reshape(-1, 3, 3)
+    return bool(((normals * np.roll(normals, 1, axis=1)).sum(axis=2) < 0.5).any())
 
 
 def _corners(part: Triangles, pose: np.ndarray, material: int,

@@ -15,7 +15,7 @@ import numpy as np
 
 from img_recog.files import cache_folder
 
-_FOLDER = 'drawn_3'        # another number when the files change
+_FOLDER = 'drawn_4'        # another number when the files change
 MAX_BYTES = 2 << 30        # of all files; then those that were not used for longest are removed
 
 # writing takes as long as reading: not while the first image is waited for

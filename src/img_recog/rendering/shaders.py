@@ -87,8 +87,8 @@ void main() {
 }
 '''
 
-# What is lit by directions alone, and has no highlight, is lit at its corners: where OpenGL runs
-# on the processor, what is interpolated and computed for a pixel is what takes time.
+# What is lit by directions alone, has no highlight and is not bent much, is lit at its corners:
+# where OpenGL runs on the processor, what is interpolated and computed for a pixel takes time.
 _LIGHT = '''
 uniform int light_count;
 uniform vec4 place[MAX_LIGHTS];     // of a light; of a directional one, the direction to it, and 0

@@ -84,6 +84,15 @@ def table():
         return list(csv.DictReader(file))
 
 
+@pytest.mark.parametrize('output', ['there', 'there/'])
+def test_a_folder_gets_the_files(fit, tmp_path, output):
+    (tmp_path / 'there').mkdir()
+    assert fit('a.png', '--output', output)[0] == 0
+    assert sorted(os.listdir('there')) == ['fit_colors' + extension for extension in (
+        '.csv', '.md', '.png', '.yaml')]
+    assert sorted(os.listdir('.')) == ['a.png', 's.yaml', 'there']
+
+
 def test_an_image_gives_bounds_that_find_its_cards_and_nothing_else(drawn_fit, tmp_path):
     code, output, log = drawn_fit('a.png')
     assert (code, log) == (0, [])

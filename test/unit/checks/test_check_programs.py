@@ -1,9 +1,11 @@
 """What check_robot.py, check_world.py and simulate.py print, and their exit codes."""
 import json
 import os
+import subprocess
 import sys
 
 import cv2
+import numpy as np
 import pytest
 
 from img_recog.checks import check_jobs
@@ -122,6 +124,22 @@ def test_sensors_of_models_are_printed_and_drawn_by_their_names(run, tmp_path):
     image = cv2.imread(str(tmp_path / 'cam.png'))
     # the camera is in the wall and sees grey, with noise
     assert image.shape == (24, 32, 3) and (image == image[..., :1]).all() and image.std() > 5
+
+
+def test_bullet_prints_nothing_between_the_lines_of_json(tmp_path):
+    """It has a warning for each ray that meets a heightmap."""
+    cv2.imwrite(str(tmp_path / 'a.png'), np.full((5, 5), 99, np.uint8))
+    hills = ('<model name="h"><static>1</static><link name="l"><collision name="c"><geometry>'
+             '<heightmap><uri>a.png</uri><size>9 9 1</size></heightmap></geometry></collision>'
+             '</link></model>')
+    (tmp_path / 'hills.sdf').write_text(sdf(BUILT_IN, hills, EYES))
+    done = subprocess.run(
+        [sys.executable, '-c', 'from img_recog.checks import check_jobs\n'
+         'raise SystemExit(check_jobs.main("simulate.py"))', 'hills.sdf', '--until', '0.01'],
+        stdout=subprocess.PIPE, stderr=subprocess.PIPE, cwd=str(tmp_path))
+    assert done.returncode == 0 and b'b3Warning' in done.stderr, done
+    assert json.loads(done.stdout.splitlines()[-1])['end']
+    assert all(map(json.loads, done.stdout.splitlines()))
 
 
 def test_what_cannot_be_drawn_is_said(run, tmp_path):

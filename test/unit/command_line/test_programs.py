@@ -43,6 +43,29 @@ def test_a_crash_has_a_line_with_the_words_of_the_command():
     assert crashed.returncode == -signal.SIGSEGV and '<replay.py a.flv>' in crashed.stderr
 
 
+PRINTS = '''import ctypes, os
+from img_recog.command_line import programs
+def program(words, interrupts):
+    programs.keep_for_data()
+    print('by Python')
+    os.write(1, b'by the system\\n')
+    ctypes.CDLL(None).puts(b'by C')
+    os.system('echo by a child')
+    programs.write('data')
+    return 'summary'
+raise SystemExit(programs.run('a.py', program, '', []))'''
+
+
+@pytest.mark.parametrize('redirection', ['', '2>&-'])
+def test_nothing_but_data_is_written_to_stdout(redirection):
+    done = subprocess.run(
+        ['bash', '-c', '"$0" -c "$1" ' + redirection, sys.executable, PRINTS],
+        stdout=subprocess.PIPE, stderr=subprocess.PIPE, universal_newlines=True)
+    assert (done.returncode, done.stdout) == (0, 'data\nsummary\n'), done
+    assert sorted(done.stderr.splitlines()) == ([] if redirection else [
+        'by C', 'by Python', 'by a child', 'by the system'])
+
+
 @pytest.mark.parametrize('closed, code, wanted', [
     ((), 0, 0), (('stdout',), 0, 1), (('stderr',), 0, 1), (('stdout',), 1, 1), ((), 1, 1)])
 def test_exit_code_when_nobody_reads_the_output(monkeypatch, closed, code, wanted):

@@ -24,6 +24,7 @@ XACRO = '''<robot name="box" xmlns:xacro="http://ros.org/wiki/xacro">
 </robot>'''
 COMMON = '''<robot xmlns:xacro="http://ros.org/wiki/xacro"><xacro:macro name="shape" params="half">
   <visual><geometry><sphere radius="${half}"/></geometry></visual></xacro:macro></robot>'''
+OUR_PACKAGE = pathlib.Path(__file__).parents[3] / 'cmake' / 'xacro' / 'package.xml'
 needs_module = pytest.mark.skipif(
     util.find_spec('xacro') is None or util.find_spec('xacro.substitution_args') is None,
     reason="Python's package xacro is not installed")
@@ -97,13 +98,23 @@ def test_command_of_ros_1_is_used_where_it_is_installed(box, command):
         '<robot name="box.urdf.xacro"/>\na:=1 b:=x:=y\n')
 
 
+def test_command_of_our_devel_space_is_not_that_of_ros_1(box, command, tmp_path, monkeypatch):
+    command('echo "<robot/>"')
+    (tmp_path / 'devel' / 'bin').mkdir(parents=True)
+    (tmp_path / 'devel' / 'bin' / 'xacro').write_text('#!/bin/sh\nexit 1')
+    (tmp_path / 'devel' / 'bin' / 'xacro').chmod(stat.S_IRWXU)
+    manifest = add_package(tmp_path / 'devel' / 'share', 'xacro') / 'package.xml'
+    manifest.write_text(OUR_PACKAGE.read_text())
+    monkeypatch.setenv('PATH', '{}/devel/bin:{}'.format(tmp_path, os.environ['PATH']))
+    assert robot_file.read(box) == '<robot/>\n'
+
+
 @needs_module
 def test_package_xacro_of_this_one_is_not_that_of_ros_1(box, command):
     """Then a xacro in PATH may be any other, which does not find ROS 1's packages."""
     command('exit 1')
     manifest = pathlib.Path(os.environ['ROS_PACKAGE_PATH'], 'xacro', 'package.xml')
-    source = pathlib.Path(__file__).parents[3] / 'cmake' / 'xacro' / 'package.xml'
-    manifest.write_text(source.read_text())
+    manifest.write_text(OUR_PACKAGE.read_text())
     assert '<sphere radius="0.2"/>' in robot_file.read(box)
 
 

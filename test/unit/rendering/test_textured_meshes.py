@@ -4,7 +4,7 @@ import pytest
 from PIL import Image
 
 from img_recog.formats import world_file
-from img_recog.model import Visual
+from img_recog.model import MESH, Material, Shape, Visual
 from img_recog_helpers.drawn import draw, looking_down
 
 COLLADA = '''<COLLADA version="1.4.1" xmlns="http://www.collada.org/2005/11/COLLADASchema">
@@ -55,6 +55,16 @@ def seen(tmp_path):
 def test_a_mesh_without_an_image_has_the_texture_of_the_script(seen):
     left, right = seen(SCRIPT.format('Sign/Whole'), (-0.5, 0), (0.5, 0))
     assert left == pytest.approx([0, 0, 255], abs=2) and right == pytest.approx([255, 0, 0], abs=2)
+
+
+def test_pixels_are_lit_between_corners_whose_normals_differ_much(tmp_path):
+    """The normals are opposite, so those between them have one of the two directions."""
+    (tmp_path / 'b.obj').write_text(
+        'v -1 -1 0\nv 1 -1 0\nv 1 1 0\nv -1 1 0\nvn 0 -1 0\nvn 0 1 0\n'
+        'f 1//1 2//1 3//2\nf 1//1 3//2 4//2\n')
+    image = draw(Visual(0, Shape(MESH, (1, 1, 1), str(tmp_path / 'b.obj')), np.eye(4), Material(
+        (1.0, 1.0, 1.0, 1.0))), pose=looking_down(4.0), sun=(0.0, 1.0, 0.0))
+    assert image[120, [130, 150, 170, 190], 0] == pytest.approx([255, 255, 178, 178], abs=2)
 
 
 def test_the_scale_of_a_texture_is_about_its_middle(seen):

@@ -1,4 +1,5 @@
 """A <geometry> of a COLLADA file with nothing but what is drawn of it."""
+import copy
 import xml.etree.ElementTree as ElementTree
 from typing import Dict, Optional, Tuple
 
@@ -38,6 +39,7 @@ def simplify(geometry: ElementTree.Element) -> ElementTree.Element:
     """
     for mesh in geometry.findall('mesh'):
         sources = {each.get('id', ''): each for each in mesh.findall('source')}
+        _share_normals(mesh, sources)
         used = _simplify_vertices(mesh, sources)
         for child in list(mesh):
             if child.tag in _DRAWN and _count(child):
@@ -51,6 +53,37 @@ def simplify(geometry: ElementTree.Element) -> ElementTree.Element:
             else:
                 mesh.remove(source)
     return geometry
+
+
+def _share_normals(mesh: ElementTree.Element, sources: Dict[str, ElementTree.Element]) -> None:
+    """Give all <vertices> at a place the first normal there, as ColladaLoader of Gazebo does.
+
+    Triangles that have normals of their own do not use these.
+    """
+    for vertices in mesh.findall('vertices'):
+        inputs = {each.get('semantic'): each for each in vertices.findall('input')}
+        positions, normals = (sources.get(inputs[name].get('source', '').lstrip('#'))
+                              if name in inputs else None for name in ('POSITION', 'NORMAL'))
+        if positions is None or normals is None:
+            continue
+        normals = copy.deepcopy(normals)        # triangles may use them, too
+        places, values = _values(positions), _values(normals)
+        array = normals.find('float_array')
+        if array is None or len(values) < len(places):
+            continue
+        first, numbers = np.unique(places, axis=0, return_index=True, return_inverse=True)[1:]
+        array.text = ' '.join(map(repr, values[first[numbers.ravel()]].ravel().tolist()))
+        name = normals.get('id', '') + ' of vertices'
+        normals.set('id', name)
+        inputs['NORMAL'].set('source', '#' + name)
+        mesh.insert(0, normals)
+        sources[name] = normals
+
+
+def _values(source: ElementTree.Element) -> np.ndarray:
+    """Return the values (n, 3) of a source."""
+    _set_components(source, _COMPONENTS['NORMAL'])
+    return np.array((source.findtext('float_array') or '').split(), float).reshape(-1, 3)
 
 
 def _simplify_vertices(mesh: ElementTree.Element,

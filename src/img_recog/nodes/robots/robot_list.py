@@ -57,13 +57,14 @@ class RobotRow(NamedTuple):
     """A robot of the list.
 
     simulation: its parameters in the simulator; without x_pos and y_pos, it gets a free place.
-    description: the URDF, a text, when it was read.
+    description: the URDF, a text, when it was read. colors: What its file of colors holds, then.
     """
 
     name: str
     nodes: NodeSettings
     simulation: Dict[str, Any]
     description: str = ''
+    colors: Optional[Dict[str, Any]] = None
 
 
 class Problem(NamedTuple):

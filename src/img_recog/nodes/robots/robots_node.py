@@ -12,7 +12,7 @@ import dataclasses
 import math
 import time
 from dataclasses import dataclass
-from typing import Dict, Iterable, List
+from typing import Any, Dict, Iterable, List, Optional
 
 import rospy
 from std_srvs.srv import Trigger, TriggerRequest, TriggerResponse
@@ -36,6 +36,9 @@ _RELOAD_TIMEOUT_S = 600.0
 _SIMULATED = 'gazebo/robots'
 _UPDATE = 'gazebo/update_robots'
 _ROBOT = 'robot'
+# what must not outlive a robot, in its namespace: also those of the nodes of robot.launch
+_PARAMETERS = ('robot_description', 'color_extract', 'robot_state_publisher',
+               'turtlebot3_teleop_keyboard', 'usb_cam')
 
 
 @dataclass(frozen=True)
@@ -104,7 +107,8 @@ class RobotsNode:
         texts: Dict[str, str] = {}      # by path: xacro takes a second
         for row in listed.robots:
             try:
-                wanted[row.name] = row._replace(description=_urdf_of(row, texts))
+                wanted[row.name] = row._replace(
+                    description=_urdf_of(row, texts), colors=_colors_of(row))
             except UserError as error:
                 problems.append(Problem(row.name, one_line(error)))
         failed = {problem.name for problem in problems}
@@ -203,9 +207,9 @@ class RobotsNode:
             nodes.interrupt()
         for name, nodes in stopped.items():
             nodes.wait()
-            if self._settings.simulator:
-                with contextlib.suppress(OSError, KeyError):    # no master, or a new one
-                    rospy.delete_param(name + '/robot_description')
+            for parameter in _PARAMETERS:
+                with contextlib.suppress(OSError, KeyError):    # no master, or no parameter
+                    rospy.delete_param('{}/{}'.format(name, parameter))
 
     def _check(self) -> None:
         """Start nodes again that have ended; tell a new master what the simulator would read."""
@@ -223,13 +227,20 @@ def _log(problems: Iterable[Problem]) -> None:
         rospy.logerr('not started: %s', problem)
 
 
+def _colors_of(robot: RobotRow) -> Optional[Dict[str, Any]]:
+    """Return what the file of colors of a robot holds, None if it needs none. Raises UserError."""
+    if not robot.nodes.recognition:
+        return None
+    values = parameter_file.values_in(robot.nodes.colors)
+    parameter_file.settings_in(values, robot.nodes.colors)
+    return values
+
+
 def _urdf_of(robot: RobotRow, texts: Dict[str, str]) -> str:
-    """Return the URDF of a robot; check its files. Raises UserError.
+    """Return the URDF of a robot. Raises UserError.
 
     texts: URDFs that were read already, by path.
     """
-    if robot.nodes.recognition:
-        parameter_file.read(robot.nodes.colors)
     path = robot.nodes.urdf
     if path not in texts:
         texts[path] = robot_file.read(path)

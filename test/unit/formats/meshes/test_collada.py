@@ -312,6 +312,27 @@ def test_vertices_may_have_normals_and_texture_coordinates(tmp_path):
     assert part.normals == pytest.approx(np.broadcast_to((0.6, 0, 0.8), (2, 3, 3)))
 
 
+@pytest.mark.parametrize('own, shares', [
+    ('', True), ('<input semantic="NORMAL" source="#n" offset="0"/>', False)])
+def test_corners_at_a_place_share_the_first_normal_of_vertices_as_in_gazebo(tmp_path, own, shares):
+    """The last two corners of the second triangle are at other indices than those of the first."""
+    text = collada(primitives='<triangles count="2" material="m1"><input semantic="VERTEX" '
+                   'source="#v" offset="0"/>{}<p>0 1 2 5 4 3</p></triangles>'.format(own))
+    normals = ['0 0 1', '0.6 0 0.8', '0 0.6 0.8', '1 0 0', '0 1 0', '0.8 0 0.6']
+    for old, new in (
+            ('count="3">0 0 1<', 'count="18">{}<'.format(' '.join(normals))),
+            ('source="#na" count="1"', 'source="#na" count="6"'),
+            ('<input semantic="POSITION" source="#x"/>', '<input semantic="POSITION" source="#x"/>'
+             '<input semantic="NORMAL" source="#{}"/>'.format('x' if own else 'n')),
+            (POINTS, '0 0 0 2 0 0 2 1 0 0 1 0 2.0 1 0 0 0 -0'),
+            ('source="#xa" count="4"', 'source="#xa" count="6"')):
+        assert old in text
+        text = text.replace(old, new)
+    expected = [0, 1, 2, 0, 2, 3] if shares else [0, 1, 2, 5, 4, 3]
+    assert read(tmp_path, text).normals.reshape(6, 3) == pytest.approx(np.array(
+        [normals[number].split() for number in expected], float))
+
+
 def test_a_mesh_without_texture_coordinates(tmp_path):
     part = read(tmp_path, collada(primitives=TRIANGLES.format(
         INPUTS.replace('TEXCOORD', 'COLOR')), nodes=NODE.format('', BIND) * 2))
