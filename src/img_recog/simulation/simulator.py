@@ -70,7 +70,7 @@ class Simulator:
         """Remove a vehicle, also from the world."""
         self._vehicles.remove(vehicle)
         self._carriers.remove(vehicle)
-        self.world.unload(vehicle.robot)
+        self.world.remove([vehicle.robot])
 
     def remove_bodies(self, bodies: Sequence[Body]) -> None:
         """Remove bodies of the world, with their sensors."""

@@ -102,9 +102,8 @@ class Body:
     is_terrain = is_plane = was_moved = False
 
     def __init__(self, body_id: int, physics_client_id: int, fixed: bool = False):
-        self.body_id = body_id
+        self.body_id, self.fixed = body_id, fixed
         self.physics_client_id, self.client = physics_client_id, client_argument(physics_client_id)
-        self.fixed = fixed
         self.set_defaults()
         self.links = range(-1, pybullet.getNumJoints(body_id, **self.client))
         self.link_indices = link_indices(body_id, physics_client_id)

@@ -74,11 +74,11 @@ class Directions:
         half = 2 / (friction.largest or 1.0)        # each of two links has half of the load
         radius = max(pybullet.getCollisionShapeData(
             self._body.body_id, index, **self._client)[0][3][1] for index in treads.values())
-        return _Wheel(radius, friction.mu, _vector(turn @ axle),
-                      None if is_along_axle else _vector(turn @ direction), {
-                          index: _vector(np.where(is_axle, across * half, 0.0)
-                                         if name.endswith(ACROSS) else
-                                         np.where(is_axle, 0.0, around * half))
+        return _Wheel(radius, friction.mu, (turn @ axle).tolist(),
+                      None if is_along_axle else (turn @ direction).tolist(), {
+                          index: (np.where(is_axle, across * half, 0.0)
+                                  if name.endswith(ACROSS) else
+                                  np.where(is_axle, 0.0, around * half)).tolist()
                           for name, index in treads.items()})
 
     def update(self) -> None:
@@ -91,7 +91,7 @@ class Directions:
         body_id, client = self._body.body_id, self._client
         state = pybullet.getLinkState(body_id, next(iter(wheel.scales)), computeLinkVelocity=1,
                                       computeForwardKinematics=1, **client)
-        turned, (speed_x, speed_y, _), (turn_x, turn_y, _) = state[1], *state[6:]
+        turned, (speed_x, speed_y, _), (turn_x, turn_y, _) = state[1], state[6], state[7]
         x, y, _ = _rotated(turned, wheel.axle)
         # the limits of both of PyBullet's directions add up
         factor = (math.hypot(x, y) or 1.0) / (abs(x) + abs(y) or 1.0)
@@ -107,11 +107,6 @@ class Directions:
         for link, scales in wheel.scales.items():
             pybullet.changeDynamics(
                 body_id, link, anisotropicFriction=[scale * factor for scale in scales], **client)
-
-
-def _vector(array: np.ndarray) -> Vector:
-    x, y, z = array.tolist()
-    return x, y, z
 
 
 def _rotated(turned: rotations.Quaternion, vector: Vector) -> Vector:

@@ -1,5 +1,5 @@
 """Gears between joints of a body: PyBullet's constraints of that kind."""
-from typing import List, Sequence
+from typing import List
 
 import pybullet
 
@@ -10,7 +10,10 @@ _ERP = 0.2              # of what a hard limit left of an error of the positions
 
 
 def add(body: FramedBody) -> List[int]:
-    """Let the gears of a body's model hold; return the ids of their constraints."""
+    """Let the gears of a body's model hold; return the ids of their constraints.
+
+    They must be removed before the body.
+    """
     ids = []
     for gear in body.model.gears:
         ids.append(pybullet.createConstraint(
@@ -19,9 +22,3 @@ def add(body: FramedBody) -> List[int]:
         pybullet.changeConstraint(ids[-1], gearRatio=gear.ratio, maxForce=_MAX_FORCE, erp=_ERP,
                                   **body.client)
     return ids
-
-
-def remove(ids: Sequence[int], physics_client_id: int) -> None:
-    """Remove the constraints of a body, which must be done before it is removed."""
-    for constraint in ids:
-        pybullet.removeConstraint(constraint, physicsClientId=physics_client_id)

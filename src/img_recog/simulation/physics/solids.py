@@ -85,7 +85,8 @@ class Solids:
         if bodies != self._bodies:
             self._bodies = bodies
             shapes = _shapes(bodies, client)
-            self._shapes = [shape for shape in shapes if _is_known(shape)]
+            self._shapes = [shape for shape in shapes if shape.kind in _GROUPS
+                            and (shape.kind != _PLANE or shape.size == _UP)]
             self._are_all = len(self._shapes) == len(shapes) and not self.others & set(bodies)
             self._poses, self._groups = {}, {}
             for kind in sorted({shape.kind for shape in self._shapes}):
@@ -105,10 +106,6 @@ def _shapes(bodies: Sequence[int], client: int) -> List[_Shape]:
             for name, link in link_indices(body, client).items() if TREAD not in name
             for _, _, kind, size, _, position, orientation in pybullet.getCollisionShapeData(
                 body, link, physicsClientId=client)]
-
-
-def _is_known(shape: _Shape) -> bool:
-    return shape.kind in _GROUPS and (shape.kind != _PLANE or shape.size == _UP)
 
 
 class _Group:

@@ -34,6 +34,7 @@ _STIFFNESS_N_M, _DAMPING_N_S_M = 3e5, 1e5
 # for each kg of a body with joints that does not stand on wheels; no contact of a robot is softer
 _JOINTED_N_M, _JOINTED_N_S_M = 1e4, 2e3
 _FALLS_M_S = 0.1        # vertical speed from which on a body falls
+_SLOP_M = 1e-5          # PyBullet's default
 _ALWAYS_M = 1e18        # threshold of contacts by which all that are computed act
 _PUSH = 0.5         # share of the depth of a wheel that a contact pushes out in a step
 # for each kg of a robot: two links that touch in one place share the load only if both give way
@@ -61,12 +62,20 @@ class Spring(NamedTuple):
     slows: bool = True
 
 
-def set_up(physics_client_id: int, step_s: float) -> None:
-    """Set how contacts are solved in a client without bodies."""
+def set_up(physics_client_id: int, step_s: float, has_wheels: bool) -> None:
+    """Set how contacts are solved in a client.
+
+    Args:
+        physics_client_id: PyBullet's number of the client.
+        step_s: Time of a step in s.
+        has_wheels: Whether there is a robot on more than two wheels. These would never leave the
+            floor with PyBullet's slop.
+    """
     total = step_s * _STIFFNESS_N_M + _DAMPING_N_S_M
     pybullet.setPhysicsEngineParameter(
         enableConeFriction=0, globalCFM=1 / total, contactERP=step_s * _STIFFNESS_N_M / total,
-        restitutionVelocityThreshold=_BOUNCES_FROM_M_S, physicsClientId=physics_client_id)
+        restitutionVelocityThreshold=_BOUNCES_FROM_M_S,
+        contactSlop=0 if has_wheels else _SLOP_M, physicsClientId=physics_client_id)
 
 
 class Landing:
@@ -145,8 +154,6 @@ def _springs(body: FramedBody, contacts: Mapping[int, Contact]) -> Dict[int, Spr
         limit = mass * _JOINTED_N_M
         found = {link: Spring(limit, mass * _JOINTED_N_S_M) for link in body.links}
         if _stands_on_wheels(lows):
-            # for the whole client: wheels would never leave the floor with PyBullet's slop
-            pybullet.setPhysicsEngineParameter(contactSlop=0, **body.client)
             found.update(_of_robot(body, mass, contacts, shared))
     points = [low.points() for low in lows if low.height_m < _LOW_M]
     count = sum(in_ode for in_ode, _ in points)

@@ -70,7 +70,6 @@ class World:
         pybullet.setPhysicsEngineParameter(
             fixedTimeStep=settings.step_s, deterministicOverlappingPairs=1,
             minimumSolverIslandSize=1, **self.client)
-        stiffness.set_up(physics_client_id, settings.step_s)
         self._pairs = friction.Pairs(physics_client_id, self._meeting.forget_contacts_of)
         self._pairs_revision, self._steps = -1, 0
         self._is_at_start = True
@@ -140,8 +139,7 @@ class World:
         return standing.lift(body, self._planes(), others)
 
     def _planes(self, added: Iterable[Body] = ()) -> List[Body]:
-        found = [body for body in (*self.bodies, *added) if body.is_plane]
-        return [self.floor, *found] if self.floor else found
+        return [body for body in (self.floor, *self.bodies, *added) if body and body.is_plane]
 
     def _free_of(self, plane: Body, body: Body) -> None:
         """Let what a joint holds deep in a plane not meet it: nothing could push it out."""
@@ -176,19 +174,14 @@ class World:
     def _remove(self, body: Body) -> None:
         self.sleeping.forget(body)
         self._meeting.forget(body)
-        adopted = self._adopted.pop(body.body_id, None)
-        if adopted is not None:         # the body does act like in Gazebo, see load_again
-            gears.remove(adopted.gears, self.physics_client_id)
+        if body.body_id in self._adopted:       # unless it is frozen, see load_again
+            for constraint in self._adopted.pop(body.body_id).gears:
+                pybullet.removeConstraint(constraint, **self.client)
         self.pushes.forget(body)
         pybullet.removeBody(body.body_id, **self.client)
 
-    def unload(self, body: Body) -> None:
-        """Remove a body that is not one of `bodies`, a robot."""
-        self._remove(body)
-        self.notify_changed()
-
     def remove(self, bodies: Sequence[Body]) -> None:
-        """Remove some of `bodies` from the world."""
+        """Remove bodies from the world: some of `bodies`, or those of robots."""
         kept = [number for number, body in enumerate(self.bodies) if body not in bodies]
         for body in bodies:
             self._remove(body)
@@ -266,6 +259,8 @@ class World:
     def notify_changed(self) -> None:
         """Call after a body was added or removed."""
         self.revision += 1
+        stiffness.set_up(self.physics_client_id, self.step_s, any(
+            adopted.landing for adopted in self._adopted.values()))
         self.solids.others = {body.body_id for body in self.bodies if body.is_terrain}
         self.solids.forget()
 
