@@ -1,7 +1,9 @@
 """How the robot in a file is simulated: built as in the node, and driven."""
 import dataclasses
 import math
-from typing import Any, Dict, Iterator, Mapping, NamedTuple, Sequence, Tuple
+from typing import Any, Dict, Iterator, List, Mapping, NamedTuple, Optional, Sequence, Tuple
+
+import numpy as np
 
 from img_recog.checks import looks
 from img_recog.checks.looks import Looks
@@ -25,6 +27,7 @@ _LINEAR, _ANGULAR = 0.2, 0.5            # commands in m/s and rad/s
 _SECONDS, _COMMAND_PERIOD_S = 2.0, 0.1
 # of the command; robots whose wheels slip when they turn do so by a third of theirs
 _DRIVES, _SLIPS = 0.9, 0.2
+_DRIFT_M = 0.02         # of a robot that turns in place
 _TURNING = 'turning'
 _WHEELS = 'see the axes, the shapes and the friction of its wheels'
 # units of what is always shown
@@ -63,6 +66,7 @@ def check(path: str, parameters: Sequence[str] = ()) -> CheckReport:
         simulator.warn = lambda line: lines.update({'{}: {}'.format(path, line): None})
     driven = list(_driven(robot, simulator)) if drive.is_there else []
     slips = max(len(drive.left_joints), len(drive.right_joints)) > 1
+    drifts = [each for each in driven if not each.asked]
     still = [each for each in driven if each.got < each.asked * (
         _SLIPS if slips and each.what == _TURNING else _DRIVES)]
     unmounted = [each.name for each in robot.sensors
@@ -72,7 +76,7 @@ def check(path: str, parameters: Sequence[str] = ()) -> CheckReport:
     return CheckReport('robot {} in {}'.format(vehicle.robot.name, path),
                        rows + [each.row() for each in driven],
                        # one that does not touch the floor cannot drive
-                       (*built.warnings, *(lines or [each.warning(path) for each in still])),
+                       (*built.warnings, *(lines or [each.warning(path) for each in still + drifts])),
                        is_partial=bool(missing) or not drive.is_there)
 
 
@@ -190,7 +194,10 @@ class _Driven(NamedTuple):
 
 
 def _driven(robot: RobotSpec, simulator: Simulator) -> Iterator[_Driven]:
-    """Return how fast the robot moves when it is told to, on the floor alone."""
+    """Yield how fast the robot moves when it is told to, on the floor alone.
+
+    Also yield how far it moves when it is told to turn in place, if that is far.
+    """
     vehicle = simulator.vehicles[0]
     for sensor in robot.sensors:
         vehicle.set_sensor_enabled(sensor.name, False)
@@ -201,12 +208,24 @@ def _driven(robot: RobotSpec, simulator: Simulator) -> Iterator[_Driven]:
                                 (_TURNING, (0.0, angular), 'rad/s')):
         simulator.reset_world()
         _drive_on(simulator, command)
-        start = vehicle.robot.motion()
+        start, middle = vehicle.robot.motion(), _middle_of_wheels(vehicle)
         _drive_on(simulator, command)
-        end = vehicle.robot.motion()
+        end, moved = vehicle.robot.motion(), _middle_of_wheels(vehicle) - middle
         way = math.remainder(end.yaw - start.yaw, 2 * math.pi) if command[1] else float(
             (end.position - start.position) @ (math.cos(start.yaw), math.sin(start.yaw), 0.0))
         yield _Driven(what, way / _SECONDS, sum(command), unit)
+        drift = float(np.linalg.norm(moved[:2]))
+        if command[1] and drift > _DRIFT_M:
+            yield _Driven('moved while turning', drift, 0.0, 'm')
+
+
+def _middle_of_wheels(vehicle: Vehicle) -> np.ndarray:
+    """Return the middle (3,) of the driven wheels in m, or of the root link if there are none."""
+    drive = vehicle.settings.drive
+    links: List[Optional[str]] = [
+        joint.child for joint in vehicle.robot.model.joints
+        if joint.name in (*drive.left_joints, *drive.right_joints)]
+    return np.mean([vehicle.robot.motion(link).position for link in links or [None]], axis=0)
 
 
 def _drive_on(simulator: Simulator, command: Tuple[float, float]) -> None:

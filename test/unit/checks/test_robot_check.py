@@ -91,6 +91,15 @@ def test_a_robot_that_does_not_drive_as_asked_is_measured(check, axis):
         assert any(words in line for line in report.warnings), report.warnings
 
 
+def test_a_robot_that_moves_while_it_turns_is_named(check):
+    slippery = ('"wheel_left_link">\n    <mu1>0.1</mu1>\n    <mu2>0.1',
+                '"wheel_left_link">\n    <mu1>0.001</mu1>\n    <mu2>0.001')
+    report = check(WHEELS, slippery)
+    assert [row.source for row in report.rows if row.what == 'moved while turning'] == ['asked 0 m']
+    assert any('it does not drive as asked: moved while turning ' in line
+               for line in report.warnings), report.warnings
+
+
 def test_a_robot_that_cannot_be_used_is_refused(check, tmp_path):
     renamed = '<joint name="wheel_left_joint"', '<joint name="axle"'
     assert refusal(check, WHEELS, renamed).startswith(
