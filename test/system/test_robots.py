@@ -6,7 +6,7 @@ import sys
 
 import pytest
 
-from img_recog_helpers import wire
+from img_recog_helpers import process_table, wire
 from img_recog_helpers.launch_config import launch_config
 from img_recog_helpers.service_calls import ServiceCalls
 from img_recog_helpers.simulator_tools import Messages, burger
@@ -181,6 +181,14 @@ def test_the_nodes_of_each_robot_start_and_end_with_it(ros, tmp_path):
     wait_for(lambda: running(ros, 'a') == ['/a/' + name for name in nodes],
              lambda: running(ros, 'a'))
     assert simulated(ros) == ['a']
+    # one process for the nodes of all robots; it and the simulator have one that respawns them
+    programs = [name for line in process_table.descendants(demo.pid).values()
+                for name in ('roslaunch', 'respawn.py', 'robots.py')
+                if any(word.endswith('/' + name) for word in line.split()[:2])]
+    assert sorted(programs) == ['respawn.py', 'respawn.py', 'robots.py'], programs
+    os.kill(ros.node_pid('/a/color_extract'), signal.SIGKILL)
+    demo.wait_output(r'\[a/color_extract-\d+\] restarting process')
+    demo.wait_output(r'(?s)restarting process.*process\[a/color_extract-\d+\]: started')
     assert ros.parameter('/a/color_extract/min_blob_size') == 77
     # the new file at the same path is silent about one of the values
     (tmp_path / 'a.yaml').write_text('stop_when_lost: 0.6\n')
@@ -207,7 +215,8 @@ def test_the_nodes_of_each_robot_start_and_end_with_it(ros, tmp_path):
     assert len(running(ros, 'd')) == 2
     services.close()
     assert demo.interrupt() == 0
-    assert 'escalating' not in demo.output
+    assert 'escalating' not in demo.output and 'symlink' not in demo.output
+    assert demo.output.count('shutting down processing monitor...') <= 1
 
 
 def test_the_nodes_of_real_robots_stop_them_and_end_when_the_node_that_runs_them_is_killed(ros):

@@ -8,7 +8,7 @@ import threading
 import traceback
 import xmlrpc.client
 from types import MappingProxyType
-from typing import Callable, Iterator
+from typing import Callable, Iterator, Optional
 
 import rospy
 
@@ -21,8 +21,9 @@ from img_recog.ros.transport import own_time, rosout
 from img_recog.settings import ParameterError, SettingError
 
 EXIT_UNEXPECTED = 70        # EX_SOFTWARE of sysexits.h
-# Only under scripts/respawn.py, which decides by them whether to start the node again
-_SUPERVISED = 'IMG_RECOG_RESPAWN'
+# Only where it is set: by scripts/respawn.py, or for one of several robots. It is decided by them
+# whether to start the node again
+SUPERVISED = 'IMG_RECOG_RESPAWN'
 EXIT_NO_MASTER, EXIT_REPLACED, EXIT_SHUT_DOWN, EXIT_REFUSED = 75, 76, 77, 78
 
 END_LIMIT_S = 4.0           # of a node: rospy waits for the master without limit, then too
@@ -33,12 +34,13 @@ _REASON_TIMEOUT_S = 5.0     # after the hooks of the node, and unregistering
 
 def run(name: str, serve: Callable[[], None],
         settings: node_help.SettingsClasses = MappingProxyType({}),
-        source_of_time: bool = False) -> int:
+        source_of_time: bool = False, end_limit_s: Optional[float] = None) -> int:
     """Start the node `name`, call `serve` until it returns, and return the exit code.
 
     settings: the classes of its parameters, for --help: that prints them and the docstring of the
     module of `serve`, and starts nothing.
     source_of_time: whether it publishes /clock itself; it then calls own_time.set_time too.
+    end_limit_s: time in which `serve` and rospy have to end after a shutdown, default END_LIMIT_S.
 
     An error that a user can fix ends the node with one line at FATAL and code 1; an unexpected
     exception is printed and is EXIT_UNEXPECTED; a shutdown is code 0. SIGINT, SIGTERM and SIGHUP
@@ -57,8 +59,8 @@ def run(name: str, serve: Callable[[], None],
     except UserError as error:      # there is no log yet
         sys.stderr.write('[FATAL] {}: {}\n'.format(name, one_line(error)))
         return 1
-    code = EXIT_SHUT_DOWN if _SUPERVISED in os.environ else 0
-    limit = threading.Timer(END_LIMIT_S, lambda: leave_blocked_threads(code))
+    code = EXIT_SHUT_DOWN if SUPERVISED in os.environ else 0
+    limit = threading.Timer(end_limit_s or END_LIMIT_S, lambda: leave_blocked_threads(code))
     limit.daemon = True
     on_shutdown(limit.start)
     master_watch.start(on_shutdown)
@@ -71,7 +73,7 @@ def run(name: str, serve: Callable[[], None],
     code = _run(serve)
     if code:
         rospy.signal_shutdown('exit code {}'.format(code))
-    if code == 0 and _SUPERVISED in os.environ and rospy.core.is_shutdown_requested():
+    if code == 0 and SUPERVISED in os.environ and rospy.core.is_shutdown_requested():
         code = _shutdown_code(reasons)
     return code
 
@@ -106,11 +108,11 @@ def _run(serve: Callable[[], None]) -> int:
     except ConnectionRefusedError:
         rospy.logfatal('no master answers at %s: start roscore or roslaunch first, or set '
                        'ROS_MASTER_URI', shortened(os.environ.get('ROS_MASTER_URI', '')))
-        return EXIT_NO_MASTER if _SUPERVISED in os.environ else 1
+        return EXIT_NO_MASTER if SUPERVISED in os.environ else 1
     except UserError as error:
         rospy.logfatal('%s', one_line(error))
         is_refused = isinstance(error, (ParameterError, SettingError))
-        return EXIT_REFUSED if is_refused and _SUPERVISED in os.environ else 1
+        return EXIT_REFUSED if is_refused and SUPERVISED in os.environ else 1
     except Exception as error:
         if is_of_shutdown(error):
             return 0

@@ -15,12 +15,13 @@ from dataclasses import dataclass
 from typing import Any, Dict, Iterable, List, Optional
 
 import rospy
+from roslaunch import RLException
 from std_srvs.srv import Trigger, TriggerRequest, TriggerResponse
 
 from img_recog import files
 from img_recog.errors import UserError, one_line
 from img_recog.loading import resources, robot_file
-from img_recog.nodes.robots import robot_list
+from img_recog.nodes.robots import robot_list, robot_nodes
 from img_recog.nodes.robots.robot_list import NodeSettings, Problem, RobotRow
 from img_recog.nodes.robots.robot_nodes import RobotNodes
 from img_recog.recognition import parameter_file
@@ -127,7 +128,7 @@ class RobotsNode:
                         'camera_frame_id': self._settings.camera_frame_id,
                         'respawn': self._settings.respawn,
                         'robot_state_publisher': self._settings.simulator})
-                except (OSError, ValueError) as error:
+                except (OSError, ValueError, RLException) as error:
                     problems.append(Problem(name, one_line(error)))
                     _log(problems[-1:])
         if not rospy.is_shutdown():
@@ -212,14 +213,14 @@ class RobotsNode:
                     rospy.delete_param('{}/{}'.format(name, parameter))
 
     def _check(self) -> None:
-        """Start nodes again that have ended; tell a new master what the simulator would read."""
+        """Log which robots have no nodes any more; tell a new master what the simulator reads."""
         with contextlib.suppress(OSError):      # there is no master
             if self._settings.simulator and not rospy.has_param(_SIMULATED):
                 self._set_parameters(self._robots())
         for name, nodes in self._running.items():
-            line = nodes.check()
-            if line is not None:
-                rospy.logerr('robot %s: %s', name, line)
+            if nodes.has_just_ended():
+                rospy.logerr('robot %s: its nodes have ended, and are not started again; call %s '
+                             'to start them', name, rospy.resolve_name('~reload'))
 
 
 def _log(problems: Iterable[Problem]) -> None:
@@ -250,4 +251,5 @@ def _urdf_of(robot: RobotRow, texts: Dict[str, str]) -> str:
 def main() -> int:
     """Run the node; return its exit code."""
     return lifecycle.run('robots', lambda: RobotsNode().spin(),
-                         {'~': (ManagerSettings, NodeSettings)})
+                         {'~': (ManagerSettings, NodeSettings)},
+                         end_limit_s=robot_nodes.END_LIMIT_S)

@@ -1,6 +1,7 @@
 """Handlers of the log that keep a node running: no log file, a full disk, a closed terminal."""
 import itertools
 import logging
+import os
 import sys
 from logging.handlers import RotatingFileHandler
 from typing import Any, Iterator, Optional, Set
@@ -11,7 +12,7 @@ from img_recog.errors import one_line, shortened
 
 _MAX_REASONS = 5
 _CHECK_LINES = 100      # a file may become so many lines larger than rosgraph's limit
-_configure = roslogging.configure_logging
+_configure, _renew_link = roslogging.configure_logging, roslogging.renew_latest_logdir
 
 
 def install() -> None:
@@ -20,8 +21,16 @@ def install() -> None:
     An error of a handler costs one line on the terminal, the first time; python's logging would
     print a traceback for each record, and rosgraph's handler would raise it in the caller. If the
     log file cannot be written, the log is on the terminal alone; rosgraph would raise the error.
+    The link `latest` to the folder of the log is left as it is if it is right: nodes that start at
+    the same time would remove one another's.
     """
     roslogging.configure_logging = _configure_and_guard
+    roslogging.renew_latest_logdir = _renew_wrong_link
+
+
+def _renew_wrong_link(folder: str) -> bool:
+    link = os.path.join(os.path.dirname(folder), 'latest')
+    return os.path.realpath(link) == os.path.realpath(folder) or _renew_link(folder)
 
 
 def _configure_and_guard(*args: Any, **options: Any) -> Optional[str]:

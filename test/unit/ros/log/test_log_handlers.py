@@ -5,6 +5,7 @@ import os
 import subprocess
 import sys
 from logging.handlers import RotatingFileHandler
+from unittest.mock import MagicMock
 
 import pytest
 import rospy
@@ -111,7 +112,8 @@ def configure(monkeypatch, tmp_path):
     for name in (None, 'rosout'):
         monkeypatch.setattr(logging.getLogger(name), 'handlers', [])
         monkeypatch.setattr(logging.getLogger(name), 'level', logging.WARNING)
-    monkeypatch.setattr(roslogging, 'configure_logging', roslogging.configure_logging)
+    for name in ('configure_logging', 'renew_latest_logdir'):
+        monkeypatch.setattr(roslogging, name, getattr(roslogging, name))
     monkeypatch.setattr(rospy.core, '_log_filename', None)
     for name in ('ROS_LOG_DIR', 'ROS_PYTHON_LOG_CONFIG_FILE'):
         monkeypatch.delenv(name, raising=False)
@@ -165,6 +167,17 @@ def test_with_a_file_rosgraph_configures_the_log(configure, tmp_path, capfd):
     assert path.read_text().endswith(': a line\n')
     assert rospy.core._log_filename == str(path)
     assert 'cannot' not in capfd.readouterr().err
+
+
+def test_nodes_that_start_at_the_same_time_do_not_remove_one_anothers_link(configure, tmp_path,
+                                                                           monkeypatch, capfd):
+    configure(tmp_path)
+    roslogging.configure_logging('node', filename='run/node.log')
+    assert (tmp_path / 'log' / 'latest').resolve() == tmp_path / 'log' / 'run'
+    # as for a link that another node removes between the two calls of rosgraph
+    monkeypatch.setattr(os, 'remove', MagicMock(side_effect=FileNotFoundError))
+    roslogging.configure_logging('node', filename='run/node.log')
+    assert 'symlink' not in capfd.readouterr().err
 
 
 def test_the_first_line_of_rospy_on_a_full_disk_is_no_traceback(configure, tmp_path, capfd):
