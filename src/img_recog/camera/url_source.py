@@ -60,7 +60,7 @@ def _expanded(url: str) -> str:
     try:
         return re.sub(r'\$\{(\w+)\}', lambda found: os.environ[found.group(1)], url)
     except KeyError as error:
-        raise NoSuchSource('cannot open {}: the environment variable {} is not set'.format(
+        raise RefusedSource('cannot open {}: the environment variable {} is not set'.format(
             redacted(url), error.args[0]), 'export it in the terminal of roslaunch')
 
 

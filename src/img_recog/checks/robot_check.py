@@ -76,7 +76,8 @@ def check(path: str, parameters: Sequence[str] = ()) -> CheckReport:
     return CheckReport('robot {} in {}'.format(vehicle.robot.name, path),
                        rows + [each.row() for each in driven],
                        # one that does not touch the floor cannot drive
-                       (*built.warnings, *(lines or [each.warning(path) for each in still + drifts])),
+                       (*built.warnings,
+                        *(lines or [each.warning(path) for each in still + drifts])),
                        is_partial=bool(missing) or not drive.is_there)
 
 

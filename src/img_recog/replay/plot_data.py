@@ -55,7 +55,7 @@ class Rows:
         self._block.append(row)
         if len(self._block) < self._block_size:
             return
-        rows = self._pairs(self._block) if self._block_size > 1 else self._block
+        rows: Any = self._pairs(self._block) if self._block_size > 1 else self._block
         self._rows[self._count:self._count + len(rows)] = rows
         self._count, self._block = self._count + len(rows), []
         if self._count == MAX_ROWS:

@@ -1,6 +1,6 @@
 """The connections to the page: time limits, and the limit for those without the token."""
 import asyncio
-from typing import Any, List, Optional
+from typing import Any, Dict, List, Optional
 
 from starlette.types import Scope
 from uvicorn.protocols.http.h11_impl import H11Protocol
@@ -31,7 +31,7 @@ class Connection(H11Protocol):
         super().__init__(*arguments, **named)
         self._is_stranger, self._began_s = True, self.loop.time()
         self._deadline: Optional[asyncio.TimerHandle] = None
-        self.app_state = {**self.app_state, _ADMIT: self._admit}
+        self.app_state: Dict[str, Any] = {**self.app_state, _ADMIT: self._admit}
 
     def connection_made(self, transport: Any) -> None:
         """Start to wait for a header; end the oldest stranger if there are too many."""
