@@ -1,9 +1,12 @@
 """Wrong input: one line names the error and the allowed values, and the exit code is not 0."""
+import glob
 import os
+import xml.etree.ElementTree as ElementTree
 
 import pytest
 
 from img_recog_helpers.launch_config import launch_config
+from img_recog_helpers.pages import LAUNCH_FOLDER
 from img_recog_helpers.simulator_tools import burger
 
 NODES = '/usb_cam', '/gazebo', '/color_extract', '/turtlebot3_teleop_keyboard'
@@ -74,6 +77,24 @@ def test_roslaunch_starts_nothing_if_the_recording_cannot_be_written(capfd, tmp_
         with pytest.raises(Exception, match='record_folder'):
             launch_config('record.launch', 'record:=' + bag)
         assert 'record: {} cannot be written; give '.format(bag) in capfd.readouterr().err
+
+
+def test_roslaunch_starts_nothing_with_an_integer_of_more_than_32_bits():
+    numbers = {(os.path.basename(path), each.get('value')[len('$(arg '):-1])
+               for path in glob.glob(LAUNCH_FOLDER + '/*.launch')
+               for each in ElementTree.parse(path).iter('param')
+               if each.get('type') is None and each.get('value') is not None}
+    assert len(numbers) >= 16
+    for file, name in {*numbers, ('record.launch', 'record_size'), ('demo.launch', 'z_pos')}:
+        others = ['robots:=2'] * (file == 'robots.launch')
+        for value in '2147483648', '-99999999999', '+' + 400 * '9':
+            with pytest.raises(SystemExit) as caught:
+                launch_config(file, '{}:={}'.format(name, value), *others)
+            assert str(caught.value) == '{}: got {}, allowed are integers of at most 32 bits'.format(
+                name, value)
+        for value in '2147483647', '1e99', '+-3', 'fast':
+            launch_config(file, '{}:={}'.format(name, value), *others)
+    launch_config('record.launch', 'record:=20261231235959')
 
 
 def test_no_robot(roscore):
