@@ -5,6 +5,7 @@ import pytest
 import rosbag
 
 from img_recog.processes.bag_recording import TOPICS
+from img_recog_helpers.service_calls import ServiceCalls
 from img_recog_helpers.simulator_tools import Echo
 
 IMAGES = '/usb_cam/image_raw/compressed'
@@ -49,6 +50,28 @@ def test_each_recording_of_the_demo_is_replayed(ros, tmp_path, sources, robot, a
     replay = ros.start_node('replay.py', path, '--topic', robot + IMAGES, cwd=str(tmp_path))
     assert replay.wait() == 0, replay.output
     assert '{} frames, '.format(len(stamps)) in replay.output, replay.output
+
+
+@pytest.mark.parametrize('is_paused', [False, True])
+def test_a_recording_goes_on_after_a_reset_and_the_last_part_is_replayed(ros, tmp_path, is_paused):
+    demo = ros.demo('world:=empty', 'framerate:=10', 'camera:=robot',
+                    'record:={}/demo'.format(tmp_path))
+    ros.node_pid('/record')
+    stamps = Echo(ros, '/usb_cam/camera_info/header/stamp')
+    stamps.wait_more(20)
+    services = ServiceCalls(ros)
+    for service in (['pause_physics'] * is_paused + ['reset_simulation']
+                    + ['unpause_physics'] * is_paused):
+        services.call('/gazebo/' + service, {})
+    stamps.wait(lambda stamp: stamp < SECOND_NS, 'an image after the reset')
+    stamps.wait(lambda stamp: stamp > SECOND_NS, 'a second of images after the reset')
+    services.close()
+    assert demo.interrupt() == 0, demo.output
+    assert '(record) has ended' not in demo.output
+    replay = ros.start_node('replay.py', str(tmp_path / 'demo.bag'), cwd=str(tmp_path))
+    assert replay.wait() == 0, replay.output
+    assert ' messages of {} before the last restart are left out'.format(
+        IMAGES) in replay.output, replay.output
 
 
 def test_a_camera_waits_for_the_clock(ros, sources):

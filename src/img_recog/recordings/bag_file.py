@@ -3,13 +3,14 @@ import bz2
 import io
 import shlex
 import struct
-from typing import Any, Callable, Dict, Iterator, List, Mapping, Optional, Set, Tuple
+from typing import (Any, Callable, Dict, Iterable, Iterator, List, Mapping, Optional, Sequence,
+                    Set, Tuple)
 
 import genpy
 import rosbag
 from rosbag.bag import BagMessageWithConnectionHeader, _BagReader200
 
-from img_recog.errors import UserError, one_line
+from img_recog.errors import UserError, counted, one_line
 from img_recog.formats.still_images import DEFAULT_MAX_PIXELS
 from img_recog.recordings.frames import WANTED
 from img_recog.recordings.recording_names import is_bag
@@ -23,6 +24,8 @@ DAMAGE_ERRORS = (rosbag.ROSBagException, genpy.MessageException, struct.error, O
 _MAX_CHUNK_BYTES, _PIXEL_BYTES = 250000000, 4
 _INDEX_ENTRY_BYTES = 12
 _LZ4_PIECE_BYTES = 4096         # gives 1 MB at most, and a block of 4 MB
+# of what time goes back by if it restarts, and up to which time it is simulated
+_RESTART_S, _SIMULATED_S = 0.1, 1e9
 _OP_CONNECTION = b'\x07'        # of http://wiki.ros.org/Bags/Format/2.0
 
 
@@ -31,12 +34,16 @@ class BagFile(rosbag.Bag):
 
     A chunk is unpacked to the size that it states and no further; a bag with one that states more
     than is allowed is refused before. Messages are those of the classes that the caller knows:
-    a definition in the bag, whose arrays may be of any size, is not used.
+    a definition in the bag, whose arrays may be of any size, is not used. If simulated time
+    restarts, the messages on a topic begin after its last restart: rosbag would mix them by time.
+
+    left_out: how many messages on a topic are before that, as soon as it was read.
     """
 
     def __init__(self, path: str, max_pixels: int = DEFAULT_MAX_PIXELS):
         """Open a bag; raise UserError if it has a chunk larger than an image may be."""
         self.index_entries = 0
+        self.left_out: Dict[str, int] = {}
         super().__init__(path, skip_index=True)
         try:
             self._check_chunks(path, max(_MAX_CHUNK_BYTES, max_pixels * _PIXEL_BYTES))
@@ -52,6 +59,7 @@ class BagFile(rosbag.Bag):
         kinds: the class of the messages of each topic; those of other classes are left out.
         begin, end: of the times of recording. Raises one of DAMAGE_ERRORS.
         """
+        self._connections_to(kinds)
         self._reader.kinds.update(((kind._type, kind._md5sum), kind) for kind in kinds.values())
         return self.read_messages(list(kinds), begin, end, _filter(kinds),
                                   return_connection_header=True)
@@ -62,8 +70,33 @@ class BagFile(rosbag.Bag):
 
     def times_ns(self, kinds: Mapping[str, Any]) -> List[int]:
         """Return when each message was recorded, by the index; kinds: as for `messages`."""
+        return [entry.time.to_nsec() for entry in self._get_entries(self._connections_to(kinds))]
+
+    def _connections_to(self, kinds: Mapping[str, Any]) -> List[Any]:
+        """Return the connections of some topics; their index begins after the last restart."""
         connections = list(self._get_connections(list(kinds), _filter(kinds)))
-        return [entry.time.to_nsec() for entry in self._get_entries(connections)]
+        for topic in {each.topic for each in connections}:
+            self._skip_restarts(topic, [each.id for each in connections if each.topic == topic])
+        return connections
+
+    def _skip_restarts(self, topic: str, connections: Sequence[int]) -> None:
+        places = sorted((entry.chunk_pos, entry.offset, entry.time.to_sec())
+                        for number in connections for entry in self._connection_indexes[number])
+        starts = [index for index, (before, after) in enumerate(zip(places, places[1:]), 1)
+                  if after[2] + _RESTART_S < before[2] < _SIMULATED_S]
+        if starts:
+            self.left_out[topic] = starts[-1]
+            for number in connections:
+                self._connection_indexes[number] = [
+                    entry for entry in self._connection_indexes[number]
+                    if (entry.chunk_pos, entry.offset) >= places[starts[-1]][:2]]
+
+    def remarks(self, topics: Iterable[str]) -> Tuple[str, ...]:
+        """Return a line on each topic of which a part is left out."""
+        return tuple('simulated time restarts: {} of {} before the last restart {} left out'.format(
+            counted(self.left_out[topic], 'message'), topic,
+            'is' if self.left_out[topic] == 1 else 'are')
+            for topic in topics if topic in self.left_out)
 
     def _create_reader(self) -> None:
         if self.version // 100 == 2:

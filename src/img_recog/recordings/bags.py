@@ -1,6 +1,7 @@
 """The images in a bag, as frames."""
+from collections import deque
 from functools import partial
-from typing import TYPE_CHECKING, Any, Callable, Dict, Iterator, List, NamedTuple, Optional
+from typing import TYPE_CHECKING, Any, Callable, Deque, Dict, Iterator, List, NamedTuple, Optional
 
 import genpy
 import numpy as np
@@ -19,6 +20,7 @@ if TYPE_CHECKING:
     from img_recog.recordings.camera_infos import CameraInfos
 
 _MAX_GAP_S = 3600           # between two stamps
+_UNSTAMPED_BYTES = 50000000     # of images that wait for the next stamp
 _COMPRESSED = '/compressed'     # added by image_transport
 _MESSAGE_TYPES = {message_type._type: message_type for message_type in (Image, CompressedImage)}
 _RECORD_ADVICE = 'record one with images: rosbag record ' + DEFAULT_TOPICS[0]
@@ -60,8 +62,11 @@ class BagFrames(Frames):
         self._decode: Callable[[Any], Decoded] = partial(
             _decode_raw if self.message_type is Image else _decode_compressed,
             max_pixels=max_pixels)
-        self.expected = part.frames if part else self.bag.get_message_count(self.topic)
+        recorded = len(self.times_ns())
+        self.expected = part.frames if part else recorded
         self.period_ns = 0
+        if not (part and part.first):
+            self.note(warnings=self.bag.remarks([self.topic]))
 
     def _image_topics(self, path: str) -> Dict[str, str]:
         """Return the message types of the topics whose messages are images as defined here."""
@@ -96,11 +101,13 @@ class BagFrames(Frames):
         first_ns = last_ns = 0
         with self.bag:
             for number, (msg, stamp_ns) in enumerate(self._messages(), first):
-                if number == first:
-                    first_ns = stamp_ns
-                else:
+                if stamp_ns < 0:
+                    self.note(skipped=1, first='message {}: its stamp is of the time before the '
+                              'restart'.format(number))
+                    continue
+                if last_ns:
                     self.check_gap(number, last_ns, stamp_ns)
-                last_ns = stamp_ns
+                first_ns, last_ns = first_ns or stamp_ns, stamp_ns
                 decoded = self.decoded(number, msg)
                 if decoded is not None:
                     header = Header(msg.header.seq, msg.header.stamp, msg.header.frame_id)
@@ -119,22 +126,33 @@ class BagFrames(Frames):
 
     def times_ns(self) -> List[int]:
         """Return when each image was recorded; no chunk is read."""
-        return self.bag.times_ns({self.topic: self.message_type})
+        try:
+            return self.bag.times_ns({self.topic: self.message_type})
+        except DAMAGE_ERRORS as error:
+            raise damaged(self.path, error)
 
     def _messages(self) -> Iterator[Any]:
         """Yield each message and its stamp in ns, or its time of recording if the stamp is 0.
 
-        An image without a stamp is not newer than the next image, if that has a stamp.
+        Images without a stamp are not newer than the next image with one, as far as they take
+        _UNSTAMPED_BYTES. The stamp of an image from before a restart of simulated time is -1.
         """
         ends = [genpy.Time(*divmod(time_ns, SECOND_NS)) for time_ns in (
             self._part.begin_ns, self._part.end_ns)] if self._part else []
-        unstamped: List[Any] = []       # the message before
+        unstamped: Deque[Any] = deque()     # the messages before
+        size = 0
         try:
             for _, msg, time, _ in self.bag.messages({self.topic: self.message_type}, *ends):
-                stamp_ns = msg.header.stamp.to_nsec()
-                for before, recorded_ns in unstamped:
-                    yield before, min(recorded_ns, stamp_ns or recorded_ns)
-                unstamped = [] if stamp_ns else [(msg, time.to_nsec())]
+                stamp_ns, time_ns = msg.header.stamp.to_nsec(), time.to_nsec()
+                if stamp_ns > time_ns + SECOND_NS and self.topic in self.bag.left_out:
+                    stamp_ns = -1
+                if not stamp_ns:
+                    unstamped.append((msg, time_ns))
+                    size += len(msg.data)
+                while unstamped and (stamp_ns > 0 or size > _UNSTAMPED_BYTES):
+                    before, before_ns = unstamped.popleft()
+                    size -= len(before.data)
+                    yield before, min(before_ns, stamp_ns or before_ns)
                 if stamp_ns:
                     yield msg, stamp_ns
             yield from unstamped

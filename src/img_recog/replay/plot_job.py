@@ -62,6 +62,8 @@ def _make(arguments: List[str], _: Interrupts) -> str:
             types = {name: kind for name, kind, _ in sorted(bag.connections())}
             odometry = odometry or odometry_of(types, options.robot, title)
             data, others = drive_of(title, bag, odometry, settings.colors)
+            for line in bag.remarks(types):
+                _log.warning('%s', line)
         if others:
             _log.warning('the picture does not show %s', others)
         figure.draw(file, 'Drive of {}, {:.1f} s'.format(title, data.end_s), data)

@@ -1,4 +1,5 @@
 """Frames of videos and bags: images, stamps and errors for unusable files."""
+import functools
 import os
 import shlex
 import struct
@@ -14,9 +15,10 @@ from std_msgs.msg import Header, String
 
 from img_recog.conversions import compressed_image_msgs, image_msgs
 from img_recog.errors import UserError
-from img_recog.recordings import bag_file
+from img_recog.recordings import bag_file, bags, parts
 from img_recog.recordings.bags import BagFrames
 from img_recog.recordings.films import FilmFrames
+from img_recog.recordings.frames import Remarks
 from img_recog.recordings.recording_names import is_bag
 from img_recog_helpers.descriptors import times_open
 from img_recog_helpers.refusals import refusal
@@ -200,6 +202,61 @@ def test_bag_whose_stamps_jump(make_bag, second, said):
     path = make_bag((RAW, raw(0, 5), 1), (RAW, raw(0, second), 2))
     line = refusal(list, BagFrames(path))
     assert said + ' at message 1' in line and path in line and 'rosbag filter' in line
+
+
+@pytest.mark.parametrize('compression', ['none', 'lz4'])
+@pytest.mark.parametrize('chunk', [1, 30000, 768000])
+def test_a_recording_begins_after_the_last_restart_of_simulated_time(
+        make_bag, compression, chunk):
+    runs = ([(2 + number / 10, number) for number in range(40)],
+            [(number / 10, 100 + number) for number in range(9)],
+            [(0.02, 4)] + [(number / 10, 200 + number) for number in range(1, 30)])
+    late = raw(4, 5.9)      # sent before the restart, recorded behind it
+    path = make_bag(*((topic, late if second == 0.02 else raw(number, second + 1e-9),
+                       second + 0.01)
+                      for topic in ('/cam/image_raw', '/other/image_raw')
+                      for run in runs for second, number in run),
+                    compression=compression, chunk_threshold=chunk)
+    frames = BagFrames(path, '/cam/image_raw')
+    found = list(frames)
+    assert frames.expected == 30
+    assert [(frame.number, frame.header.seq) for frame in found] == [
+        (number, 200 + number) for number in range(1, 30)]
+    assert frames.warnings == [
+        'simulated time restarts: 49 messages of /cam/image_raw before the last restart are left '
+        'out', '1 of 30 images on /cam/image_raw cannot be used; the first is message 0: its '
+        'stamp is of the time before the restart']
+    divided = parts.divide(path, '/cam/image_raw', 5)
+    assert len(divided) > 3
+    read = [parts.read(path, part) for part in divided]
+    assert [(frame.number, frame.stamp_ns) for each in read for frame in each.read()] == [
+        (frame.number, frame.stamp_ns) for frame in found]
+    assert functools.reduce(Remarks.plus, [each.remarks for each in read]).lines(
+        path) == frames.warnings
+
+
+def test_a_bag_of_real_time_whose_messages_are_in_no_order_is_read_by_time(make_bag):
+    day = 1700000000
+    path = make_bag(*((RAW, raw(number, day + number), day + number) for number in (2, 0, 1)))
+    assert [frame.header.seq for frame in BagFrames(path)] == [0, 1, 2]
+
+
+@pytest.mark.parametrize('unstamped', [1, 2, 5, 60])
+@pytest.mark.parametrize('stamp, lag', [(9, 0.5), (9, -0.5), (9, 1700000000)])
+def test_images_without_stamps_are_not_newer_than_the_next_with_one(
+        make_bag, unstamped, stamp, lag):
+    entries = [(RAW, raw(number, stamp + number / 30 if number >= unstamped else 0),
+                stamp + lag + number / 30) for number in range(unstamped + 3)]
+    found = [frame.stamp_ns for frame in BagFrames(make_bag(*entries))]
+    assert len(found) == unstamped + 3 and found == sorted(found)
+    assert found[-3:] == [entry[1].header.stamp.to_nsec() for entry in entries[-3:]]
+
+
+def test_images_without_stamps_do_not_wait_in_memory_for_ever(make_bag, monkeypatch):
+    monkeypatch.setattr(bags, '_UNSTAMPED_BYTES', 3 * len(raw(0, 0).data))
+    frames = BagFrames(make_bag(*((RAW, raw(number, 0), 1 + number) for number in range(9))))
+    assert [frame.stamp_ns for frame in frames] == [
+        number * 10 ** 9 for number in range(1, 10)]
 
 
 @pytest.mark.parametrize('md5sum', ['0' * 32, 'f' * 32])

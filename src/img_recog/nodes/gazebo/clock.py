@@ -27,7 +27,8 @@ class SimulatedClock:
 
     def add(self) -> None:
         """Set the time of this node, and let the next flush publish it."""
-        now = self._msg.clock = robot_msgs.stamp_of(self._simulator.time_s)
+        # 0 after a reset would be no time: rosbag record would end
+        now = self._msg.clock = robot_msgs.stamp_of(self._simulator.time_s or 1e-9)
         own_time.set_time(now)
         self._times.add(self._msg)
 
