@@ -19,6 +19,7 @@ import termios
 import time
 
 import demo_master
+import full_disk
 from demo_arguments import ArgumentError, Arguments
 
 from img_recog import files
@@ -54,6 +55,7 @@ class Channel:
         self._target = target
         self._read_line = read_line
         self._line = self._unsent = b''
+        self.disk = full_disk.FullDiskFilter()
         if os.isatty(target):
             self.reader, self.writer = pty.openpty()
             attributes = termios.tcgetattr(self.writer)
@@ -67,13 +69,14 @@ class Channel:
         try:
             data = os.read(self.reader, 65536)
         except OSError:         # how the end of a pseudo terminal is reported
-            return False
+            data = b''
+        has_ended, data = not data, self.disk.passed(data)
         *lines, self._line = (self._line + data).split(b'\n')
         self._unsent += data
         self.flush()
         for line in lines:
             self._read_line(line.decode(errors='replace'))
-        return bool(data)
+        return not has_ended
 
     def say(self, text):
         """Write a line with the prefix [run]."""
@@ -116,7 +119,7 @@ class Supervisor:
         self._stopped_at = None
         self._stopped_by = None
         self._sent = 0              # number of steps of _ESCALATION that were done
-        self._has_said_waiting = False
+        self._has_said_waiting = self._has_said_full = False
         self._code = None
         self._channels = []
 
@@ -189,6 +192,9 @@ class Supervisor:
         except OSError:             # the terminal or the pipe is closed
             more = False
             self._signals.append(signal.SIGTERM)
+        if channel.disk.reason and not self._has_said_full:
+            self._has_said_full = True
+            self._say(cannot_log(channel.disk.reason))
         if not more:
             selector.unregister(channel.reader)
             os.close(channel.reader)
@@ -287,20 +293,30 @@ def check_files(words):
         robot_file.read(given['urdf'])
 
 
+def log_folder():
+    """Return where roslaunch and the nodes write their log."""
+    home = os.environ.get('ROS_HOME') or os.path.expanduser('~/.ros')
+    return os.environ.get('ROS_LOG_DIR') or os.path.join(home, 'log')
+
+
+def cannot_log(reason):
+    """Return the error for a full disk of the log."""
+    return UserError(message('cannot write the log in {}: {}', log_folder(), reason),
+                     message('free some space, or set ROS_HOME to another folder'))
+
+
 def check_log_folder():
     """Raise UserError if the disk of the log is full: roslaunch and the master then print
     hundreds of tracebacks a second.
     """
-    home = os.environ.get('ROS_HOME') or os.path.expanduser('~/.ros')
-    folder = os.environ.get('ROS_LOG_DIR') or os.path.join(home, 'log')
+    folder = log_folder()
     try:
         os.makedirs(folder, exist_ok=True)
         with tempfile.TemporaryFile(dir=folder) as file:
             file.write(bytes(_LOG_BYTES))
     except OSError as error:
         if error.errno in files.DISK_ERRORS:    # else the nodes say it, and go on without a log
-            raise UserError(message('cannot write the log in {}: {}', folder, one_line(error)),
-                            message('free some space, or set ROS_HOME to another folder'))
+            raise cannot_log(one_line(error))
 
 
 def check_display():
