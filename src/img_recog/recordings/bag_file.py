@@ -70,7 +70,8 @@ class BagFile(rosbag.Bag):
 
     def times_ns(self, kinds: Mapping[str, Any]) -> List[int]:
         """Return when each message was recorded, by the index; kinds: as for `messages`."""
-        return [entry.time.to_nsec() for entry in self._get_entries(self._connections_to(kinds))]
+        connections = self._connections_to(kinds)
+        return [entry.time.to_nsec() for entry in self._get_entries(connections)]
 
     def _connections_to(self, kinds: Mapping[str, Any]) -> List[Any]:
         """Return the connections of some topics; their index begins after the last restart."""
@@ -93,7 +94,8 @@ class BagFile(rosbag.Bag):
 
     def remarks(self, topics: Iterable[str]) -> Tuple[str, ...]:
         """Return a line on each topic of which a part is left out."""
-        return tuple('simulated time restarts: {} of {} before the last restart {} left out'.format(
+        line = 'simulated time restarts: {} of {} before the last restart {} left out'
+        return tuple(line.format(
             counted(self.left_out[topic], 'message'), topic,
             'is' if self.left_out[topic] == 1 else 'are')
             for topic in topics if topic in self.left_out)
