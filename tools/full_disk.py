@@ -30,8 +30,9 @@ class FullDiskFilter:
         """Return what is left of the output and can be decided; no data: the rest."""
         *lines, self._line = _FLUSHING.sub(self._noted, self._line + data).split(b'\n')
         found = b''.join(self._decided(line + b'\n') for line in lines)
-        if not data or not (self._open or self._line and (self.reason or any(
-                self._line.startswith(start[:len(self._line)]) for start in _STARTS))):
+        if not data or not (self._open or self._line and (
+                self.reason or b'---' in self._line or self._line.endswith(b'-') or any(
+                    self._line.startswith(start[:len(self._line)]) for start in _STARTS))):
             found, self._block, self._line = found + self._block + self._line, b'', b''
         return found
 
