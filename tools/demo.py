@@ -289,8 +289,18 @@ def check_files(words):
         from img_recog.recognition import parameter_file
         parameter_file.read(given['colors'])
     if 'urdf' in given:
+        from img_recog.formats.markup import MarkupError, parse_xml
         from img_recog.loading import robot_file
-        robot_file.read(given['urdf'])
+        try:
+            parse_xml(robot_file.read(given['urdf']))
+        except MarkupError as error:
+            raise UserError('cannot use the robot in {}: {}'.format(given['urdf'], error.problem),
+                            error.advice)
+    if 'world' in given:
+        from img_recog.formats import world_file
+        from img_recog.loading import resources, robot_file
+        world_file.read(given['world'], resources.worlds(), resources.find, allow_partial=True,
+                        read_file=robot_file.read_any)
 
 
 def log_folder():

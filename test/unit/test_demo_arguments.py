@@ -82,13 +82,21 @@ def test_accepted(checked, words):
     ('urdf', '<robot name="r" xmlns:xacro="http://ros.org/wiki/xacro"><xacro:foo/></robot>',
      'xacro cannot expand FILE: '),
     ('colors', 'colors: [blue\n',
-     'cannot read the parameters in FILE: no YAML, line 2, column 1: ')])
+     'cannot read the parameters in FILE: no YAML, line 2, column 1: '),
+    ('world', '<sdf><world>', 'xacro cannot expand FILE: not XML: no element found')])
 def test_a_file_that_roslaunch_cannot_load_is_refused_in_a_line(tmp_path, name, content, words):
     path = tmp_path / 'robot.xacro'
     if content:
         path.write_text(content)
     assert refusal(tool('demo').check_files, ['-p', '1', '{}:={}'.format(name, path)]).startswith(
         words.replace('FILE', str(path)))
+
+
+def test_a_urdf_that_is_not_xml_is_refused_before_the_start(tmp_path):
+    path = tmp_path / 'r.urdf'
+    path.write_text('<robot name="r">')
+    assert refusal(tool('demo').check_files, ['urdf:={}'.format(path)]).startswith(
+        'cannot use the robot in {}: not XML: no element found: line 1'.format(path))
 
 
 @pytest.mark.parametrize('code', [errno.ENOSPC, errno.EDQUOT])

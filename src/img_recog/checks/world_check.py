@@ -28,7 +28,8 @@ def check(path: str, allow_partial: bool = False) -> CheckReport:
             *(CheckRow(NOT_DRAWN, each, 'its surface') for each in file.missing_looks),
             *(CheckRow(LEFT_OUT, each, 'needs ' + _OPTION) for each in left_out)]
     problem = '' if allow_partial or not left_out else (
-        'something is left out of it; start it with {}'.format(_OPTION))
+        'something is left out of it; give --allow-partial-world here, and {} to the demo'.format(
+            _OPTION))
     return CheckReport('world {} in {}'.format(file.name, path), rows, built.warnings, problem,
                        bool(file.findings) or any(row.state == NOT_DRAWN for row in rows))
 

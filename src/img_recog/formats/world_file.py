@@ -16,6 +16,7 @@ from img_recog.model import Model, Tree
 ReadFile = Callable[[str], Union[str, bytes]]
 
 EMPTY = 'empty'
+_WORLDS_OF_TURTLEBOT3 = r'turtlebot3_(house|stage_\d|autorace\w*|empty\w*)'
 
 
 def read(world: str, worlds: Dict[str, str], find: FindFile = lambda uri: None,
@@ -91,7 +92,7 @@ def _parsed(world: str, path: str, worlds: Dict[str, str],
         root = parse_xml(read_file(path))
         check_expanded(root)
     except (OSError, ValueError) as error:
-        if re.fullmatch(r'turtlebot3_\w+', world) and not any(
+        if re.fullmatch(_WORLDS_OF_TURTLEBOT3, world) and not any(
                 each.endswith('.world') for each in worlds.values()):
             raise SimulationError(
                 'world: got {!r}, and the package turtlebot3_gazebo with its worlds is not found'

@@ -63,7 +63,7 @@ def run(tmp_path, monkeypatch, capsys, caplog, handlers_as_before):
     ('check_world.py', sdf(BUILT_IN, WALL.replace('<visual', '<projector/><visual')), 2,
      'warning: world my.file: not simulated: <projector> of model wall link l'),
     ('check_world.py', sdf(BUILT_IN, WALL, CHAIR), 1, 'check_world.py: error: something is left '
-     'out of it; start it with allow_partial_world:=true'),
+     'out of it; give --allow-partial-world here, and allow_partial_world:=true to the demo'),
     ('check_world.py --allow-partial-world', sdf(BUILT_IN, WALL, CHAIR), 0,
      'warning: world my.file: loaded without: model://chair')])
 def test_the_exit_code_says_whether_it_can_be_used(run, tmp_path, program, text, code, line):

@@ -233,6 +233,8 @@ def test_a_world_of_a_package_that_is_not_found():
     line = refusal(world_file.read, 'turtlebot3_house', WORLDS)
     assert line.startswith("world: got 'turtlebot3_house', and the package turtlebot3_gazebo with "
                            'its worlds is not found; build it in a workspace and source its ')
+    assert refusal(world_file.read, 'turtlebot3_wrold', WORLDS).endswith(
+        'did you mean turtlebot3_world?')
     assert 'turtlebot3_gazebo' not in refusal(
         world_file.read, 'turtlebot3_hose', {**WORLDS, 'turtlebot3_house': '/x/house.world'})
 
