@@ -14,6 +14,7 @@ RUN ./run -y setup && apt-get clean && rm -rf /var/lib/apt/lists/* build/*.log \
     && chown -R ros:ros /home/ros
 COPY --chown=ros:ros . .
 USER ros
-RUN ./run build
+# Docker on Windows makes all files executable, and rosrun then finds each program twice
+RUN find scripts src templates -type f -exec chmod a-x {} + && ./run build
 
 ENTRYPOINT ["tini", "--", "/home/ros/img_recog/tools/container.bash"]
