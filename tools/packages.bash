@@ -2,8 +2,11 @@
 # sets root, venv, build, python, noetic and yes.
 # shellcheck shell=bash disable=SC2154
 
-# of apt and pip, to install from a folder without internet
-apt_options=() pip_options=()
+# of apt, to install from a folder without internet
+apt_options=()
+# of pip: what it builds uses the setuptools of the distribution, because no hash is known of what
+# it would download for that
+pip_options=(--disable-pip-version-check --require-hashes --no-build-isolation)
 
 listed() { sed -e 's/#.*//' -e '/^[[:space:]]*$/d' "$1"; }
 
@@ -26,10 +29,12 @@ reason() {
   awk '/No space left on device/ {full = $0}
     /^CMake Error/ {is_next = 1; next}
     is_next && NF {found = $0; is_next = 0; next}
+    /DO NOT MATCH THE HASHES/ {is_changed = 1; next}
+    is_changed && NF {sub(/ \(from .*/, ""); changed = $0; is_changed = 0}
     /(^E|[Ee]rror|ERROR|^sudo|fatal): / {found = $0}
     NF {last = $0}
     END {
-      why = full ? full : found ? found : last
+      why = full ? full : changed ? changed : found ? found : last
       gsub(/^[[:space:]]+|[.[:space:]]+$/, "", why)
       print why
     }' "$1"
@@ -51,6 +56,8 @@ failed() {
   # then the log cannot say it
   [ "$(df -m --output=avail "$build" | tail -n 1)" -gt 0 ] || why="No space left on device"
   ! grep -q 'Retrying (' "$2" || advice=$(message 'is the package index reachable?')
+  ! grep -q 'DO NOT MATCH THE HASHES' "$2" || advice=$(message \
+    'it was changed on the way, since requirements/ has another hash: get it from another source')
   [ -z "${advice:-}" ] || why="${why:-?}; $advice"
   fail '{} failed: {}; see build/{}' "$1" "${why:-?}" "${2##*/}"
 }
@@ -104,20 +111,35 @@ may_install() {
   case $answer in '' | [yY]*) return 0 ;; *) return 1 ;; esac
 }
 
-has_venv() { cmp -s "$root/requirements.txt" "$venv/requirements.txt"; }
+# The lock file of the Python that ROS is installed for: all packages with the hashes of their files.
+lock_file() {
+  local version
+  version=$(readlink -f "$python")
+  printf '%s/requirements/%s.txt\n' "$root" "${version##*/python}"
+}
+
+has_venv() { cmp -s "$(lock_file)" "$venv/lock.txt"; }
 
 make_venv() {
-  say 'installing into .venv what requirements.txt lists, 540 MB; the output is in build/pip.log'
+  local file
+  file=$(lock_file)
+  [ -f "$file" ] || fail '{} is missing: this Python is not one of {}' "${file#"$root"/}" \
+    "$(cd "$root/requirements" && echo 3.*.txt)"
+  say 'installing into .venv what {} lists, 540 MB; the output is in build/pip.log' "${file#"$root"/}"
+  case $(uname -m)-${file##*/} in
+    x86_64-3.8.txt | x86_64-3.11.txt) ;;
+    *) say 'PyBullet is compiled, because it has no wheel for this system: 7 minutes of one core' ;;
+  esac
+  # a link leads to the environment of another clone
+  [ ! -L "$venv" ] || rm "$venv"
   # without pip in it, it uses the distribution's pip and setuptools, which catkin needs
   logged "python3 -m venv" venv.log "$python" -m venv --clear --system-site-packages --without-pip \
     "$venv"
   touch "$venv/CATKIN_IGNORE"
-  # where PyBullet has no wheel (Python 3.13), pip compiles it, which takes 10 minutes; it has a
-  # wrong pointer type, which is an error since gcc 14
+  # where PyBullet is compiled: it has a wrong pointer type, which is an error since gcc 14
   CFLAGS="${CFLAGS:-} -Wno-incompatible-pointer-types" \
-    logged pip pip.log "$venv/bin/python3" -m pip install --no-cache-dir \
-    --disable-pip-version-check "${pip_options[@]}" -r "$root/requirements.txt"
-  cp "$root/requirements.txt" "$venv/requirements.txt"
+    logged pip pip.log "$venv/bin/python3" -m pip install --no-cache-dir "${pip_options[@]}" -r "$file"
+  cp "$file" "$venv/lock.txt"
 }
 
 setup() {
@@ -151,8 +173,8 @@ download() {
     -o APT::Sandbox::User=root $(listed "$list")
   list_packages "$folder/packages" >"$build/Packages"
   mv "$build/Packages" "$folder/packages/Packages"
-  logged pip wheels.log "$venv/bin/python3" -m pip wheel --disable-pip-version-check \
-    -r "$root/requirements.txt" -w "$folder/wheels"
+  logged pip wheels.log "$venv/bin/python3" -m pip download --no-deps "${pip_options[@]}" \
+    -r "$(lock_file)" -d "$folder/wheels"
   platform >"$folder/platform"
   say 'complete; on the other computer: ./run setup --from FOLDER'
 }
@@ -182,5 +204,5 @@ install_from() {
   apt_options=(-o Dir::Etc::sourcelist="$build/offline.list" -o Dir::Etc::sourceparts=/dev/null
     -o Dir::State::lists="$build/lists" -o Dir::Cache::pkgcache= -o Dir::Cache::srcpkgcache=
     -o APT::Sandbox::User=root)
-  pip_options=(--no-index --find-links "$folder/wheels")
+  pip_options+=(--no-index --find-links "$folder/wheels")
 }

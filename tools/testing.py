@@ -41,7 +41,7 @@ def say(text, *values):
 def lint():
     """Print a line for each linter, and its output if it reports anything; return the code."""
     commands = {'flake8': [*_uncollected('flake8'), '.'],
-                'mypy': _uncollected('mypy'),
+                'mypy': [*_uncollected('mypy'), *_mypy_settings()],
                 'catkin_lint': ['catkin_lint', '-q', '-W2', '--strict', '--ignore',
                                 'package_path_name', ROOT],
                 'shellcheck': ['shellcheck', *_shell_scripts()]}
@@ -61,6 +61,23 @@ def lint():
         else:
             say('{}: clean', name)
     return verdict
+
+
+def _mypy_settings():
+    """Return mypy's option for settings that fit the libraries of this machine.
+
+    The types of numpy 2 contradict those of numpy 1, which the reference machine has; so do those
+    of the PyAV and moderngl of the same distributions. mypy takes them for unknown types.
+    """
+    import numpy
+    if int(numpy.__version__.partition('.')[0]) < 2:
+        return []
+    path = os.path.join(BUILD, 'mypy.cfg')
+    with open(os.path.join(ROOT, 'setup.cfg')) as settings, open(path, 'w') as file:
+        file.write(settings.read() +
+                   '\n[mypy-av.*,moderngl.*,numpy.*]\nfollow_imports = skip\n'
+                   'follow_imports_for_stubs = True\n')
+    return ['--config-file', path]
 
 
 def _uncollected(linter):

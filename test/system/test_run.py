@@ -1,10 +1,13 @@
 """./run: selection of tests, linters, shell, and what it prints before it installs packages."""
+import glob
+import hashlib
 import os
 import pty
 import re
 import select
 import shutil
 import subprocess
+import sys
 import time
 import zipfile
 
@@ -391,8 +394,8 @@ def tiny(env, tmp_path):
                    check=True, stdout=subprocess.DEVNULL)
     for name in ('packages-debian.txt', 'packages-noetic.txt'):
         write(checkout, name, 'img-recog-tiny\n')
-    write(checkout, 'requirements.txt', 'img_recog_tiny==1.0\n')
-    with zipfile.ZipFile(str(tmp_path / 'img_recog_tiny-1.0-py3-none-any.whl'), 'w') as wheel:
+    path = tmp_path / 'img_recog_tiny-1.0-py3-none-any.whl'
+    with zipfile.ZipFile(str(path), 'w') as wheel:
         info = 'img_recog_tiny-1.0.dist-info/'
         wheel.writestr('img_recog_tiny.py', '')
         wheel.writestr(info + 'METADATA', 'Metadata-Version: 2.1\nName: img_recog_tiny\n'
@@ -400,21 +403,31 @@ def tiny(env, tmp_path):
         wheel.writestr(info + 'WHEEL', 'Wheel-Version: 1.0\nRoot-Is-Purelib: true\n'
                        'Tag: py3-none-any\n')
         wheel.writestr(info + 'RECORD', '')
+    for lock in glob.glob(os.path.join(checkout, 'requirements', '3.*')):
+        write(checkout, lock, 'img_recog_tiny==1.0 --hash=sha256:{}\n'.format(
+            hashlib.sha256(path.read_bytes()).hexdigest()))
     (tmp_path / 'bin').mkdir()
     env = dict(env, PATH='{}:{}'.format(tmp_path / 'bin', env['PATH']))
     add_program(env, 'apt-get', OFFLINE_APT.format(deb=tmp_path / 'tiny_1.0_all.deb'))
     return checkout, env
 
 
+def download(checkout, env, folder):
+    """Run `./run setup --download` without setup, to which no source of apt offers the package."""
+    done = subprocess.run(
+        ['bash', '-ec', 'root=$PWD build=$PWD/build python=/usr/bin/python3 noetic=/none '
+         'venv=$PWD/.venv; . tools/messages.bash; . tools/packages.bash; mkdir -p build; '
+         'setup() { has_venv || make_venv; }; download "$0"', str(folder)],
+        cwd=checkout, env=env, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, check=False)
+    return done.returncode, done.stdout.decode()
+
+
 def test_what_is_downloaded_is_enough_to_install_without_internet(tiny, tmp_path):
     checkout, env = tiny
     folder = tmp_path / 'USB disk, 50% [full]'
-    with_wheel = dict(env, PIP_NO_INDEX='1', PIP_FIND_LINKS=str(tmp_path))
-    # without setup, to which no source of apt offers the package
-    subprocess.run(['bash', '-ec', 'root=$PWD build=$PWD/build python=/usr/bin/python3 '
-                    'noetic=/none venv=$PWD/.venv; say() { :; }; . tools/packages.bash; '
-                    'mkdir build; setup() { make_venv; }; download "$0"', str(folder)],
-                   cwd=checkout, env=with_wheel, check=True)
+    code, output = download(
+        checkout, dict(env, PIP_NO_INDEX='1', PIP_FIND_LINKS=str(tmp_path)), folder)
+    assert code == 0, output
     shutil.rmtree(os.path.join(checkout, '.venv'))
     code, output = run(checkout, env, 'setup', '--from', str(folder))
     assert code == 0, output
@@ -425,6 +438,70 @@ def test_what_is_downloaded_is_enough_to_install_without_internet(tiny, tmp_path
     (folder / 'platform').write_text('debian 11 riscv64\n')
     code, output = run(checkout, env, 'setup', '--from', str(folder))
     assert code == 1 and ' is for debian 11 riscv64, and this computer is ' in output, output
+
+
+CHANGED = (r'\[run\] pip failed: img_recog_tiny==1\.0 from \S+{}\S*/img_recog_tiny-1\.0-\S+; '
+           r'it was changed on the way, since requirements/ has another hash: get it from another '
+           r'source; see build/{}\n$')
+
+
+def test_a_package_that_was_changed_on_the_way_is_refused(tiny, tmp_path):
+    checkout, env = tiny
+    wheel, folder = tmp_path / 'img_recog_tiny-1.0-py3-none-any.whl', tmp_path / 'disk'
+    with_wheel = dict(env, PIP_NO_INDEX='1', PIP_FIND_LINKS=str(tmp_path))
+    code, output = download(checkout, with_wheel, folder)
+    assert code == 0, output
+    with zipfile.ZipFile(str(wheel), 'a') as file:
+        file.writestr('other.py', 'print("not what was released")\n')
+    code, output = download(checkout, with_wheel, tmp_path / 'other')
+    assert code == 1 and re.search(CHANGED.format(tmp_path.name, 'wheels.log'), output), output
+    shutil.copy(str(wheel), str(folder / 'wheels'))
+    shutil.rmtree(os.path.join(checkout, '.venv'))
+    code, output = run(checkout, env, 'setup', '--from', str(folder))
+    assert code == 1 and re.search(CHANGED.format('disk/wheels', 'pip.log'), output), output
+    code, output = download(checkout, with_wheel, folder)       # its setup
+    assert code == 1 and re.search(CHANGED.format(tmp_path.name, 'pip.log'), output), output
+
+
+def test_the_environment_of_another_clone_is_left_as_it_is(tiny, tmp_path):
+    checkout, env = tiny
+    other = tmp_path / 'other clone'
+    other.mkdir()
+    (other / 'lock.txt').write_text('another\n')
+    venv = os.path.join(checkout, '.venv')
+    os.symlink(str(other), venv)
+    code, output = download(
+        checkout, dict(env, PIP_NO_INDEX='1', PIP_FIND_LINKS=str(tmp_path)), tmp_path / 'disk')
+    assert code == 0 and not os.path.islink(venv), output
+    assert [path.name for path in other.iterdir()] == ['lock.txt']
+
+
+def test_each_lock_file_names_all_packages_with_hashes_and_no_index():
+    wanted = re.findall(r'(?m)^([\w-]+)==([\w.]+)(?:; python_version (<|>=) "3.(\d+)")?$',
+                        read('requirements.txt'))
+    assert len(wanted) > 6
+    for version in (8, 11, 13):
+        lock = read('requirements/3.{}.txt'.format(version))
+        assert not re.search(r'://|index|find-links', lock)
+        entries = dict(re.findall(r'(?m)^([a-z0-9-]+)==(\S+) \\\n    --hash=sha256:\w{64}', lock))
+        assert len(entries) == len(re.findall(r'(?m)^[^ #]', lock)) > 40
+        for name, number, sign, minor in wanted:
+            is_meant = not sign or (version < int(minor)) == (sign == '<')
+            assert not is_meant or entries[name] == number, name
+        system = re.findall(r'(?m)^([a-z]+)==.* == "3.{}"$'.format(version),
+                            read('requirements/system.txt'))
+        assert system and not set(system) & set(entries)
+
+
+def test_it_says_in_advance_that_pybullet_is_compiled(tiny, tmp_path):
+    checkout, env = tiny
+    env = dict(env, PIP_NO_INDEX='1', PIP_FIND_LINKS=str(tmp_path))
+    expected = '[run] PyBullet is compiled, because it has no wheel for this system: 7 minutes'
+    for machine, is_expected in (('aarch64', True), ('x86_64', sys.version_info >= (3, 12))):
+        add_program(env, 'uname', 'echo {}\n'.format(machine))
+        code, output = download(checkout, env, tmp_path / 'disk')
+        assert code == 0 and (expected in output) == is_expected, output
+        shutil.rmtree(os.path.join(checkout, '.venv'))
 
 
 # Japanese

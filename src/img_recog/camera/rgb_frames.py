@@ -5,22 +5,26 @@ whether its values fill the whole range of a byte. FFmpeg's filter `scale` heeds
 what states nothing for BT.601 in the limited range. It gives the pixels of the program ffmpeg.
 """
 import threading
-from fractions import Fraction
 from typing import Optional, Tuple
 
 import av
 import av.filter
 import numpy as np
 
+# From FFmpeg 7 on, the filters go by the colors that their source states, not by each frame's.
+_STATES_COLORS = av.library_versions['libavfilter'] >= (10,)
+# format, width, height, and what the source states of colors: the numbers of matrix and range
+_Kind = Tuple[str, int, int, Tuple[int, ...]]
+
 
 class _Graph(threading.local):
-    """The filters of a thread, for frames of one kind: format, width and height.
+    """The filters of a thread, for frames of one kind.
 
     They stay when a film is closed, for the next one, which may be the same film in a loop:
     PyAV 10's graphs refer to themselves, and Python frees their memory and threads late.
     """
 
-    kind: Tuple[str, int, int] = ('', 0, 0)
+    kind: _Kind = ('', 0, 0, ())
     graph: Optional[av.filter.Graph] = None
 
 
@@ -29,8 +33,9 @@ _own = _Graph()
 
 def rgb_array(frame: 'av.VideoFrame') -> np.ndarray:
     """Return a frame as rgb8; raise FFmpegError or ValueError if it cannot be converted."""
-    kind = frame.format.name, frame.width, frame.height
-    graph = _own.graph if _own.graph is not None and _own.kind == kind else _made(frame)
+    kind = (frame.format.name, frame.width, frame.height,
+            (int(frame.colorspace), int(frame.color_range)) if _STATES_COLORS else ())
+    graph = _own.graph if _own.graph is not None and _own.kind == kind else _made(kind)
     _own.kind, _own.graph = kind, None      # after an error, it would take no other frame
     graph.push(frame)
     converted = graph.pull()
@@ -42,10 +47,12 @@ def rgb_array(frame: 'av.VideoFrame') -> np.ndarray:
         strides=(plane.line_size, 3, 1)))
 
 
-def _made(frame: 'av.VideoFrame') -> 'av.filter.Graph':
+def _made(kind: _Kind) -> 'av.filter.Graph':
     graph = av.filter.Graph()
-    filters = [graph.add_buffer(width=frame.width, height=frame.height, format=frame.format,
-                                time_base=Fraction(1, 1000)),
+    name, width, height, colors = kind
+    stated = ':colorspace={}:range={}'.format(*colors) if colors else ''
+    filters = [graph.add('buffer', 'pix_fmt={}:width={}:height={}:time_base=1/1000{}'.format(
+                   name, width, height, stated)),
                # what OpenCV asks for; one thread, as each process of a batch has one
                graph.add('scale', 'flags=bicubic:threads=1'),
                graph.add('format', 'pix_fmts=rgb24'),

@@ -33,7 +33,7 @@ def load(*key: Any) -> Optional[Entry]:
             file.seek(array.offset + array.nbytes)
             about = json.loads(file.read().decode())
         os.utime(path)
-    except (OSError, ValueError):
+    except (EOFError, OSError, ValueError):     # EOFError: numpy 2, of an empty file
         return None
     return np.asarray(array), about
 

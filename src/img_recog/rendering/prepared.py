@@ -65,11 +65,15 @@ def _packed(parts: List[Triangles]) -> Tuple[np.ndarray, Any]:
     return array, [[len(part.positions), *part[3:]] for part in parts]
 
 
+def _with_tuple(value: Any) -> Any:
+    """Return a value of JSON, which has lists in place of tuples."""
+    return tuple(value) if isinstance(value, list) else value
+
+
 def _unpacked(array: np.ndarray, about: Any) -> Optional[List[Triangles]]:
     """Return what was packed; None if a texture is not where it was."""
     ends = np.cumsum([count for count, *_ in about])
-    # JSON has lists in place of tuples
-    parts = [Triangles(rows['positions'], rows['normals'], rows['uvs'], Material(*(
-        tuple(value) if isinstance(value, list) else value for value in material)), *others)
+    parts = [Triangles(rows['positions'], rows['normals'], rows['uvs'],
+                       Material(*map(_with_tuple, material)), *others)
              for rows, (_, material, *others) in zip(np.split(array, ends[:-1]), about)]
     return parts if _are_found(parts) else None

@@ -135,8 +135,9 @@ def _draw_close_up(axes: Axes, data: PlotData) -> None:
     low, high = rows[:, X:YAW].min(axis=0), rows[:, X:YAW].max(axis=0)
     middle, half = (low + high) / 2, (high - low).max() / 2
     half += max(_MIN_MARGIN_M, 0.2 * half)
-    axes.set_ylim(middle[0] - half, middle[0] + half)
-    axes.set_xlim(middle[1] + half, middle[1] - half)
+    # auto: the equal scales extend one of the two, and matplotlib 3.10 warns if it is fixed
+    axes.set_ylim(middle[0] - half, middle[0] + half, auto=True)
+    axes.set_xlim(middle[1] + half, middle[1] - half, auto=True)
     axes.ticklabel_format(useOffset=False)
     _set_title(axes, 'Close up')
     _finish(axes, axes.lines[-2:])

@@ -119,7 +119,8 @@ class Feed:
         """Get only what somebody looks at."""
         looking = [viewer for viewer in self._viewers if viewer.is_looking.is_set()]
         self._pictures.watch({name for viewer in looking for name in viewer.names})
-        watched = {topics for viewer in looking for topics in viewer.robot.topics}
+        watched: Set[WatchedTopics] = {
+            topics for viewer in looking for topics in viewer.robot.topics}
         for topics in self._watched - watched:
             topics.watch(False)
         for topics in watched:

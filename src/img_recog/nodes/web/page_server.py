@@ -2,6 +2,7 @@
 import asyncio
 import contextlib
 import logging
+import os
 import socket
 import threading
 from typing import Any, Callable, Optional
@@ -96,6 +97,7 @@ def address(sock: socket.socket, token: str) -> str:
     if host in ('127.0.0.1', '::1'):
         host = 'localhost'
     elif host in ('0.0.0.0', '::'):
-        host = socket.gethostname()
+        # only a container knows its name; the image says under which name browsers reach it
+        host = os.environ.get('IMG_RECOG_PAGE_HOST') or socket.gethostname()
     return 'http://{}:{}/?token={}'.format('[{}]'.format(host) if ':' in host else host,
                                            port, token)

@@ -85,6 +85,14 @@ def test_the_address_for_a_browser(host, port, shown):
     assert address(Sock(), 't') == shown
 
 
+def test_the_address_of_a_container_is_that_of_its_host(monkeypatch):
+    monkeypatch.setenv('IMG_RECOG_PAGE_HOST', 'localhost')
+    with listen('0.0.0.0', 8080) as sock:
+        assert address(sock, 't') == 'http://localhost:{}/?token=t'.format(sock.getsockname()[1])
+    with listen('127.0.0.2', 8080) as sock:
+        assert address(sock, 't').startswith('http://127.0.0.2:')
+
+
 def test_what_libraries_log_as_errors_is_reported(capfd):
     reported = []
     page_server.report_errors(reported.append)

@@ -90,6 +90,8 @@ def test_the_time_is_that_of_the_line(setup, monkeypatch):
     node = Node()
     for now_s in (1e9, 1e9 + 0.9999, 1e9 + 1.25):
         monkeypatch.setattr(rosout.time, 'time', lambda now_s=now_s: now_s)
+        # logging asks this from Python 3.13 on
+        monkeypatch.setattr(rosout.time, 'time_ns', lambda now_s=now_s: round(1e9 * now_s))
         node.handle('a line')
         node.log('a line')
     lines = setup.written().splitlines()
