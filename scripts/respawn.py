@@ -55,6 +55,7 @@ class Respawner:
         signals.handle(self._forward)
         signal.signal(_PARENT_ENDED, self._end_with_parent)
         process_tree.end_with_parent(_PARENT_ENDED)
+        self._end_with_parent()         # it may have been killed before
         delay_s = 0.0
         while True:
             started_s = time.monotonic()
@@ -103,7 +104,8 @@ class Respawner:
             self._forward(signal.SIGTERM, None)
 
     def _is_orphan(self):
-        return os.getppid() != self._parent
+        # roslaunch runs in Python; init, our parent if it was killed before we looked, does not
+        return os.getppid() != self._parent or not _is_python(self._parent)
 
     def _give_up(self, code):
         reason = (_FINISHED.get(code)
@@ -140,6 +142,12 @@ def _become_node(parent):
         os._exit(1)
     signals.handle(signal.SIG_DFL)
     signal.pthread_sigmask(signal.SIG_UNBLOCK, signals.ENDING)
+
+
+def _is_python(process):
+    with contextlib.suppress(OSError):
+        return 'python' in os.path.basename(os.readlink('/proc/{}/exe'.format(process)))
+    return False
 
 
 def _value(prefix, words):

@@ -125,6 +125,13 @@ def test_it_and_its_node_do_not_outlive_roslaunch_that_is_killed(run, code):
     assert not is_alive(process.pids[-1])
 
 
+def test_it_does_not_outlive_roslaunch_that_is_killed_before_it_has_begun(run):
+    process = run('wait()')
+    process.process.kill()
+    wait_for(lambda: not is_alive(process.pid), 'the end')
+    assert not any(map(is_alive, process.pids))
+
+
 def test_it_does_not_outlive_roslaunch_when_the_node_has_ended(run):
     process = run('sys.exit(76)')
     process.wait_errors('again')

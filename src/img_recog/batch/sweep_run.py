@@ -160,7 +160,7 @@ def inputs(world: str, urdf: str) -> Tuple[str, Dict[str, str]]:
             text = robot_file.read(urdf, '--urdf')
             robot, file = assemble.robot_of(text, urdf), assemble.world(world, allow_partial=False)
         except UserError as error:      # what cannot be read has no result
-            return one_line(error), {}
+            return one_line(error), {path: identity(path) for path in sorted(noted)}
         models = [robot.model, *(tree.model for tree in file.trees)]
         paths = {path for model in models for named in model.files
                  for path in prepared.files_of(named)}

@@ -154,8 +154,8 @@ def digest(value: Any) -> str:
 def identity(path: str) -> str:
     """Return a hash of a file, or why it cannot be read.
 
-    It is that of its content; of a file of more than 2 MB, that of its size, the time of its last
-    change, and its first and last megabyte.
+    It is that of its content; of a file of more than 2 MB, that of its size, the times of its last
+    change (the program that changes it can set one of them), and its first and last megabyte.
     """
     try:
         status = os.stat(path)
@@ -165,13 +165,13 @@ def identity(path: str) -> str:
 
 
 @functools.lru_cache(maxsize=None)      # many pieces read the same file
-def _identity(path: str, changed_ns: int, size: int, _: int) -> str:
+def _identity(path: str, modified_ns: int, size: int, changed_ns: int) -> str:
     with open(path, 'rb') as file:
         found = hashlib.sha256(file.read(2 * _END_BYTES))
         if size > 2 * _END_BYTES:
             file.seek(size - _END_BYTES)
             found.update(file.read(_END_BYTES))
-            found.update('{} {}'.format(size, changed_ns).encode())
+            found.update('{} {} {}'.format(size, modified_ns, changed_ns).encode())
     return found.hexdigest()
 
 

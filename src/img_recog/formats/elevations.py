@@ -15,6 +15,7 @@ _EARTH_RADIUS_M = 6371000.0     # of Gazebo's SphericalCoordinates
 _NO_DATA = -9999.0              # heights up to this are unknown if the file names no other one
 # tags of a TIFF: its size, and those of GeoTIFF and of GDAL
 _WIDTH, _HEIGHT, _SCALE, _TIE, _KEYS, _GDAL_NO_DATA = 256, 257, 33550, 33922, 34735, 42113
+_MATRIX = 34264                 # from pixels to places, instead of a scale and a tie point
 _IN_DEGREES = 1024, 2           # a key of GeoTIFF and its value
 
 # heights (rows, columns) in m, the first row is in the north; size of a cell in x and y;
@@ -75,7 +76,12 @@ def _tiff(content: bytes, max_heights: int) -> Optional[_Grid]:
     tags = TiffImagePlugin.ImageFileDirectory_v2(file.read(16 if b'+' in content[2:4] else 8))
     file.seek(tags.next)
     tags.load(file)
-    if _SCALE not in tags:
+    if _SCALE in tags:
+        step, north = tags[_SCALE][:2], tags[_TIE][4] if _TIE in tags else 0.0
+    elif _MATRIX in tags:
+        x_x, x_y, _, _, y_x, y_y, _, north = tags[_MATRIX][:8]
+        step = math.hypot(x_x, y_x), math.hypot(x_y, y_y)
+    else:
         return None
     if tags[_WIDTH] * tags[_HEIGHT] > max_heights:
         raise ValueError('it has more than {} heights'.format(max_heights))
@@ -83,8 +89,7 @@ def _tiff(content: bytes, max_heights: int) -> Optional[_Grid]:
     if heights is None or heights.ndim != 2:
         raise ValueError('it does not have one band of a type that OpenCV reads')
     keys = tags.get(_KEYS, ())
-    return (heights, tags[_SCALE][:2],
-            tags[_TIE][4] if _IN_DEGREES in zip(keys[::4], keys[3::4]) else None,
+    return (heights, step, north if _IN_DEGREES in zip(keys[::4], keys[3::4]) else None,
             float(tags.get(_GDAL_NO_DATA, _NO_DATA)))
 
 

@@ -69,6 +69,14 @@ def test_all_files_that_are_read_are_named(folder):
     assert found == {path: work_folder.identity(path) for path in found}
 
 
+def test_files_of_a_robot_that_cannot_be_read_are_named_too(folder):
+    (folder / 'base.xacro').write_text('<robot>')
+    sweep_run.inputs.cache_clear()
+    problem, found = sweep_run.inputs('w.world', 'r.urdf.xacro')
+    assert 'base.xacro' in problem
+    assert {os.path.basename(path) for path in found} == {'r.urdf.xacro', 'base.xacro'}
+
+
 def write(folder, name, old, new):
     path = folder / name
     text = path.read_text()
@@ -132,4 +140,16 @@ def test_a_large_file_is_known_by_its_ends_and_its_time(tmp_path):
     os.utime(str(path), (1, 1))
     before = work_folder.identity(str(path))
     os.utime(str(path), (2, 2))
+    assert work_folder.identity(str(path)) != before
+
+
+def test_a_large_file_that_is_changed_in_the_middle_and_keeps_its_time(tmp_path):
+    path = tmp_path / 'film'
+    path.write_bytes(bytes(5 << 20))
+    os.utime(str(path), (1, 1))
+    before = work_folder.identity(str(path))
+    with path.open('r+b') as file:
+        file.seek(5 << 19)
+        file.write(b'x')
+    os.utime(str(path), (1, 1))
     assert work_folder.identity(str(path)) != before

@@ -31,12 +31,17 @@ def with_a_gap(value):
     return heights
 
 
-def geotiff(folder, heights, no_data='', geographic=True, **options):
-    """Write a GeoTIFF whose cells are 1e-5 degrees or 1 m; return its path."""
+def geotiff(folder, heights, no_data='', geographic=True, has_matrix=False, **options):
+    """Write a GeoTIFF whose cells are 1e-5 degrees or 1 m; return its path.
+
+    has_matrix: Whether a matrix says where the cells are, instead of a scale and a tie point.
+    """
     tags = TiffImagePlugin.ImageFileDirectory_v2()
     step = 1e-5 if geographic else 1.0
-    for tag, kind, value in ((33550, 12, (step, step, 0.0)), (33922, 12, (0, 0, 0, 10.0, 45.0, 0)),
-                             (34735, 3, (1, 1, 0, 1, 1024, 0, 1, 2 if geographic else 1)),
+    matrix = (step, 0, 0, 10.0, 0, -step, 0, 45.0, 0, 0, 0, 0, 0, 0, 0, 1)
+    places = ((34264, 12, tuple(map(float, matrix))),) if has_matrix else (
+        (33550, 12, (step, step, 0.0)), (33922, 12, (0, 0, 0, 10.0, 45.0, 0)))
+    for tag, kind, value in (*places, (34735, 3, (1, 1, 0, 1, 1024, 0, 1, 2 if geographic else 1)),
                              (42113, 2, no_data)):
         if value:
             tags.tagtype[tag] = kind
@@ -91,6 +96,7 @@ def test_heights_are_those_of_gazebo(tmp_path, heights, inside, expected):
 
 @pytest.mark.parametrize('write, expected', [
     (lambda folder: geotiff(folder, hills(), compression='tiff_lzw'), OF_GAZEBO),
+    (lambda folder: geotiff(folder, hills(), has_matrix=True), OF_GAZEBO),
     (lambda folder: geotiff(folder, with_a_gap(-100), '-100'),
      OF_GAZEBO[:5] + [28.8]),
     (lambda folder: geotiff(folder, np.rint(hills(lowest=10, highest=200)).astype(
@@ -105,7 +111,9 @@ def test_kinds_of_files(tmp_path, write, expected):
 
 @pytest.mark.parametrize('write, width, depth', [
     (lambda folder: geotiff(folder, hills()), 25.95, 36.69),
+    (lambda folder: geotiff(folder, hills(), has_matrix=True), 25.95, 36.69),
     (lambda folder: geotiff(folder, hills(), geographic=False), 33, 33),
+    (lambda folder: geotiff(folder, hills(), geographic=False, has_matrix=True), 33, 33),
     (lambda folder: ascii_grid(folder, hills(), 'dx 1e-5\ndy 2e-5\n'), 25.95, 73.39),
     (lambda folder: tile(folder, hills(1201, 1201)), 77304, 111288)])
 def test_size_of_the_ground(tmp_path, write, width, depth):
