@@ -12,7 +12,7 @@ class Pacer:
 
     late: number of these periods so far.
 
-    >>> times_s = iter([0.0, 0.125, 0.75, 2.0])
+    >>> times_s = iter([0.0, 0.125, 0.75, 2.125])
     >>> pacer = Pacer(2.0, lambda: next(times_s))
     >>> [pacer.delay_s() for _ in range(4)]
     [0.0, 0.375, 0.25, 0.0]

@@ -327,7 +327,7 @@ def test_a_color_whose_only_recording_is_broken_has_no_sample(fit, tmp_path):
     (tmp_path / 's.yaml').write_text(SAMPLES + '- {recording: c.png, color: green, '
                                      'rectangle: [5, 10, 20, 20]}\n')
     code, _, log = fit('a.png', 'c.png')
-    assert code == 1 and 'there is no sample of green; add one: a rectangle' in log[-1]
+    assert code == 1 and 'no pixel is a sample of green; add a rectangle' in log[-1]
 
 
 def test_the_worst_frames_are_drawn(fit, tmp_path):

@@ -166,13 +166,14 @@ def test_a_recorder_after_a_failure(recording, tmp_path):
 
 
 def test_the_page_records_the_topics_that_the_demo_does():
-    single, several = (each.get('value') for each in ElementTree.parse(
-        os.path.join(ROOT, 'launch', 'record.launch')).iter('arg')
-        if each.get('name') == 'record_topics')
-    assert sorted(single.split()) == sorted(bag_recording.TOPICS)
-    below = '(/.+)?/('      # of several robots: in each namespace
-    assert several == '|'.join(name for name in single.split() if name[0] == '/') + '|' + below \
-        + '|'.join(name for name in single.split() if name[0] != '/') + ')'
+    tree = ElementTree.parse(os.path.join(ROOT, 'launch', 'record.launch'))
+    values = {each.get('name'): each.get('value') for each in tree.iter('arg')}
+    relative = values['robot_topics'].split()
+    absolute = next(tree.iter('node')).get('args').split()[1:]
+    assert sorted(absolute + relative) == sorted(bag_recording.TOPICS)
+    # several robots have them in each namespace
+    assert values['record_topics'] == '{}|(/.+)?/({})'.format(
+        '|'.join(absolute), '|'.join(relative))
 
 
 def test_a_machine_without_setpriv(recording, monkeypatch, tmp_path):
