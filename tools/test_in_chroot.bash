@@ -4,7 +4,7 @@
 # usage: test_in_chroot.bash RELEASE FOLDER [COMMAND ...]
 #
 #   RELEASE   bookworm (Debian 12) or trixie (Debian 13)
-#   FOLDER    place of the chroot, which debootstrap makes there once; all of it takes 7 GB
+#   FOLDER    place of the chroot, which debootstrap makes there once; all of it takes 6 GB
 #   COMMAND   command to run in the clone of this repository; by default setup, build and ./run test
 #
 # The chroot gets a clone of the commit that is checked out. Needs root and debootstrap. What the

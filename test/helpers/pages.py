@@ -61,14 +61,13 @@ def rows(text: str, chapter: str, first: str) -> List[List[str]]:
 
 
 def anchors(text: str) -> List[str]:
-    """Return what links to the headings of a page end with, as GitHub and Sphinx make it."""
-    found = []
-    for heading in filter(None, map(_HEADING.match, _FENCED.sub('', text).splitlines())):
-        slug = re.sub(r'[^\w\- ]', '', heading.group(2).lower()).replace(' ', '-')
-        count = sum(re.fullmatch(re.escape(slug) + r'(-\d+)?', other) is not None
-                    for other in found)
-        found.append('{}-{}'.format(slug, count) if count else slug)
-    return found
+    """Return what links to the headings of a page end with, as GitHub and Sphinx make it.
+
+    Not for headings that a page has twice: their numbers depend on the version of myst_parser.
+    """
+    slugs = [re.sub(r'[^\w\- ]', '', heading.group(2).lower()).replace(' ', '-') for heading in
+             filter(None, map(_HEADING.match, _FENCED.sub('', text).splitlines()))]
+    return [slug for slug in slugs if slugs.count(slug) == 1]
 
 
 def links(text: str) -> List[str]:

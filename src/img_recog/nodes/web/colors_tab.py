@@ -76,7 +76,8 @@ class ColorsTab:
     def __init__(self, visit: Visit):
         """Add its elements; the sliders follow as soon as the node answers."""
         self._visit, self._colors, self._t = visit, visit.robot.colors, visit.texts
-        self._calls, self._samples = OneCall(), None    # type: OneCall, Optional[SampleCard]
+        self._calls = OneCall()
+        self._samples: Optional[SampleCard] = None
         self._changes = ColorChanges(self._colors)
         self._sliders: Dict[str, Slider] = {}
         self._masks: Dict[str, Any] = {}
