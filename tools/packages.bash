@@ -56,8 +56,8 @@ failed() {
   # then the log cannot say it
   [ "$(df -m --output=avail "$build" | tail -n 1)" -gt 0 ] || why="No space left on device"
   ! grep -q 'Retrying (' "$2" || advice=$(message 'is the package index reachable?')
-  ! grep -q 'DO NOT MATCH THE HASHES' "$2" || advice=$(message \
-    'it was changed on the way, since requirements/ has another hash: get it from another source')
+  ! grep -q 'DO NOT MATCH THE HASHES' "$2" || advice=$(
+    message 'it was changed on the way, since requirements/ has another hash: get it from another source')
   [ -z "${advice:-}" ] || why="${why:-?}; $advice"
   fail '{} failed: {}; see build/{}' "$1" "${why:-?}" "${2##*/}"
 }

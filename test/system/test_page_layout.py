@@ -109,8 +109,9 @@ def test_the_button_that_saves_the_colors_covers_no_slider(phone):
 
 
 def test_the_stop_button_is_red(desk):
-    color = wait_for(lambda: desk.js("""const button = document.querySelector("[data-drive='0,0']");
-        return button && getComputedStyle(button).backgroundColor"""), 'the stop button')
+    script = """const button = document.querySelector("[data-drive='0,0']");
+        return button && getComputedStyle(button).backgroundColor"""
+    color = wait_for(lambda: desk.js(script), 'the stop button')
     red, green, blue = map(int, re.findall('[0-9]+', color)[:3])
     assert red > 150 and max(green, blue) < 60
 
