@@ -20,7 +20,7 @@ from img_recog import rotations
 from img_recog.model import FLOOR_FRICTION, Friction
 from img_recog.simulation.physics import tires
 from img_recog.simulation.physics.body import Body
-from img_recog.simulation.physics.client import body_ids, links_of_base
+from img_recog.simulation.physics.client import body_ids, client_argument, links_of_base
 from img_recog.simulation.physics.framed_body import FramedBody
 
 _EPSILON = 1e-6
@@ -78,7 +78,7 @@ class Pairs:
     """
 
     def __init__(self, physics_client_id: int, forget_contacts: Callable[[_Link], None]):
-        self._client = {'physicsClientId': physics_client_id}
+        self._client = client_argument(physics_client_id)
         self._forget_contacts = forget_contacts
         self._surfaces: Dict[_Link, _Surface] = {}
         self._changed: Dict[_Link, float] = {}

@@ -6,7 +6,7 @@ import pybullet
 
 from img_recog.model import ALL_BITS, BOX, PLANE, Link, Model
 from img_recog.simulation.physics.body import Body
-from img_recog.simulation.physics.client import links_of_base
+from img_recog.simulation.physics.client import client_argument, links_of_base
 from img_recog.simulation.physics.framed_body import FramedBody
 from img_recog.simulation.physics.tires import wheel_of
 
@@ -39,7 +39,7 @@ class Meeting:
     """What the links of bodies in a physics client meet."""
 
     def __init__(self, physics_client_id: int):
-        self._client = {'physicsClientId': physics_client_id}
+        self._client = client_argument(physics_client_id)
         self._apart: Set[_Pair] = set()
         # groups and mask of each link with solids
         self._masks: Dict[Tuple[int, int], Tuple[int, int]] = {}
