@@ -162,6 +162,8 @@ def blocks(text):
 # the chapters of README.md that README.ja.md has too; its others are about the article
 CHAPTERS_JA = {
     '': '', 'Quick start': 'クイックスタート',
+    'Ubuntu 22.04 and 24.04, Fedora, macOS, Windows':
+        'Ubuntu 22.04 と 24.04、Fedora、macOS、Windows',
     'Your own camera, video or robot': '自分のカメラ、動画、ロボットを使う',
     'The terminals of the article': '記事のターミナルとの対応',
     'Where to read on': '詳しい説明', 'License': 'ライセンス'}
@@ -177,8 +179,14 @@ def in_japanese(link):
     """Return the link that README.ja.md has where README.md has this one."""
     names = re.sub(r'^README(\.ja)?\.md', lambda name: 'README{}.md'.format(
         '' if name.group(1) else '.ja'), link)
-    return re.sub('^doc/lessons/(ja/)?', lambda name: 'doc/lessons/{}'.format(
+    names = re.sub('^doc/lessons/(ja/)?', lambda name: 'doc/lessons/{}'.format(
         '' if name.group(1) else 'ja/'), names)
+    headings = dict(zip(anchors_of(CHAPTERS_JA), anchors_of(CHAPTERS_JA.values())))
+    return headings.get(names, names)
+
+
+def anchors_of(headings):
+    return ['#' + name for name in anchors('\n'.join('## ' + text for text in headings if text))]
 
 
 def test_the_japanese_readme_has_the_chapters_of_the_english_one():
