@@ -35,7 +35,7 @@ def check(path: str, allow_partial: bool = False) -> CheckReport:
 
 
 def _models(world: World, seen: Looks) -> Iterator[CheckRow]:
-    for tree, body, box in zip(world.file.trees, world.bodies, seen.boxes):
+    for tree, body, box in zip(world.trees, world.bodies, seen.boxes):
         how = '{:.4g} kg'.format(body.mass())
         if tree.fixed:      # what is static has no inertia
             mass = sum(link.inertia.mass for link in tree.model.links if link.inertia)
@@ -44,7 +44,7 @@ def _models(world: World, seen: Looks) -> Iterator[CheckRow]:
     boxes = [box for box in seen.boxes if box is not None]
     if boxes:
         yield CheckRow(SIMULATED, 'models', '{}, {}'.format(
-            sum(tree.first for tree in world.file.trees),
+            sum(tree.first for tree in world.trees),
             size(np.array([np.min(boxes, axis=0)[0], np.max(boxes, axis=0)[1]]))))
 
 

@@ -33,7 +33,7 @@ class _Check:
 
     def __init__(self, drive: DriveSettings):
         self._simulator = robots.simulator(drive=drive)
-        self._vehicle = self._simulator.vehicles[0]
+        self._vehicle = self._simulator.robots[0]
         self.accepted = self.refused = self.undecodable = 0
 
     def example(self, pool: List[float], rng: random.Random) -> None:

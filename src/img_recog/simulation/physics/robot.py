@@ -33,7 +33,7 @@ class Motors(NamedTuple):
     slides: bool = False
 
 
-class SimulatedRobot(FramedBody):
+class RobotBody(FramedBody):
     """The body of a model, with motors.
 
     spawn: where `reset` moves it.

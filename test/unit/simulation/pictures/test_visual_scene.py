@@ -53,10 +53,10 @@ def test_poses_are_those_of_now():
     built = assemble(HALL)
     _, parts = read(built)
     before = parts.poses()
-    built.simulator.vehicles[0].command(0.2, 0.0)
+    built.simulator.robots[0].command(0.2, 0.0)
     built.simulator.advance(2000)
     after = parts.poses()
-    assert after[0, 0] == pytest.approx(built.simulator.vehicles[0].robot.pose().position[0])
+    assert after[0, 0] == pytest.approx(built.simulator.robots[0].body.pose().position[0])
     assert after[0, 0] > before[0, 0] + 0.2
     wheel = parts.numbers()[0]['wheel_left_link']
     assert after[wheel, :3] - after[0, :3] == pytest.approx(before[wheel, :3] - before[0, :3],
@@ -67,7 +67,7 @@ def test_poses_are_those_of_now():
 
 def test_a_simulation_without_bodies_has_no_poses():
     sim = assemble().simulator
-    sim.remove(sim.vehicles[0])
+    sim.world.remove(sim.robots[0])
     assert Parts(sim).poses().shape == (0, 7)
 
 
@@ -112,7 +112,7 @@ def test_a_plane_is_the_upper_side_of_its_box():
 def test_a_camera_on_the_robot_reads_its_pose_and_all_others():
     built = assemble(x=1.0, y=2.0, yaw=math.pi / 2)
     parts = Parts(built.simulator)
-    camera = RobotCamera(built.simulator.vehicles[0].robot, CameraSettings(
+    camera = RobotCamera(built.simulator.robots[0].body, CameraSettings(
         camera_frame='base_link', camera_x=0.1, camera_z=0.2, camera_pitch=math.pi / 2),
         parts.poses)
     exposure = camera.read()
@@ -147,7 +147,7 @@ def test_a_link_that_is_not_turned_like_an_image_is_warned_of(turn, is_warned):
         '<link name="lens"/><joint name="j" type="fixed"><parent link="base_scan"/><child '
         'link="lens"/><origin rpy="{}"/></joint>'.format(turn))
     robot = assemble(yaw=1.0, urdf=burger().replace(
-        '</robot>', link + '</robot>')).simulator.vehicles[0].robot
+        '</robot>', link + '</robot>')).simulator.robots[0].body
     line = robot_camera.warning_about_frame(robot, CameraSettings(
         camera_frame='base_scan', camera_optical_frame='lens'))
     assert line.startswith('the images of the camera on base_scan have the frame lens, a link '
@@ -159,15 +159,15 @@ def test_a_link_that_is_not_turned_like_an_image_is_warned_of(turn, is_warned):
 def test_a_mounted_camera_is_read_at_its_rate_while_it_is_enabled():
     built = assemble(cameras=[CameraSettings(camera_frame='base_link', camera_rate=rate)
                               for rate in (30.0, 10.0)])
-    vehicle = built.simulator.vehicles[0]
-    name, second = vehicle.cameras
+    robot = built.simulator.robots[0]
+    name, second = robot.cameras
 
     def times(sensor, steps):
         return [round(each.time_s, 6) for each in built.simulator.advance(steps)
                 if each.sensor == sensor]
     assert (name, second) == ('camera', 'camera_2') and times(name, 100) == []
-    vehicle.set_sensor_enabled(name, True)
+    robot.set_sensor_enabled(name, True)
     assert times(name, 100) == [0.132, 0.165, 0.198]
-    vehicle.set_sensor_enabled(name, False)
-    vehicle.set_sensor_enabled(second, True)
+    robot.set_sensor_enabled(name, False)
+    robot.set_sensor_enabled(second, True)
     assert times(name, 1) == [] and times(second, 299) == [0.3, 0.4, 0.5]
