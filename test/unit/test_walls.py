@@ -50,7 +50,7 @@ def test_only_lifecycle_uses_shutdown_hooks_of_rospy():
     ('simulation/physics/a.py', 'from img_recog.simulation.sensors import imu',
      'sensors is above physics'),
     ('simulation/sensors/a.py', 'from img_recog.simulation.simulated_model import Robot',
-     'robot is above sensors'),
+     'simulated_model is above sensors'),
     ('simulation/simulator.py', 'from .pictures import view', 'pictures is above simulator'),
     ('simulation/deeper/a.py', 'from img_recog.simulation.physics import body',
      'deeper is not a room'),

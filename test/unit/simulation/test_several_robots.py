@@ -104,8 +104,8 @@ def test_one_pushes_the_other():
     pusher, pushed = sim.robots
     pusher.command(0.2, 0.0)
     sim.advance(4000)
-    assert pushed.robot.motion().position[0] > 0.4
-    gap = pushed.robot.motion().position[0] - pusher.robot.motion().position[0]
+    assert pushed.body.motion().position[0] > 0.4
+    gap = pushed.body.motion().position[0] - pusher.body.motion().position[0]
     assert 0.1 < gap < 0.3
 
 
@@ -196,7 +196,7 @@ def test_a_robot_that_is_removed_is_gone_and_the_others_go_on():
     assert sim.world.revision > revision and sim.robots == [second]
     readings = sim.advance(1000)
     assert {each.robot for each in readings} == {'tb3_1'}
-    assert second.robot.motion().position[0] > 1.3
+    assert second.body.motion().position[0] > 1.3
     behind = [each.value for each in readings if each.sensor == 'scan'][-1][180]
     assert np.isinf(behind)
 
