@@ -69,16 +69,13 @@ def check(path: str, parameters: Sequence[str] = ()) -> CheckReport:
     drifts = [each for each in driven if not each.asked]
     still = [each for each in driven if each.got < each.asked * (
         _SLIPS if slips and each.what == _TURNING else _DRIVES)]
-    unmounted = [each.name for each in spec.sensors
-                 if each.values and each.name in robot.missing_sensors]
-    missing = (*spec.model.left_out, *unmounted, *spec.not_simulated, *spec.findings,
-               *(row for row in rows if row.state == NOT_DRAWN), *still)
     return CheckReport('robot {} in {}'.format(robot.body.name, path),
                        rows + [each.row() for each in driven],
                        # one that does not touch the floor cannot drive
                        (*built.warnings,
                         *(lines or [each.warning(path) for each in still + drifts])),
-                       is_partial=bool(missing) or not drive.is_there)
+                       is_partial=bool(built.is_partial or still or not drive.is_there
+                                       or any(row.state == NOT_DRAWN for row in rows)))
 
 
 def _controllers(namespace: str, paths: Sequence[str]) -> Controllers:

@@ -20,8 +20,12 @@ _PRINTED = ('imu', 'range', 'scan')         # kinds of sensors
 
 
 class SimulationRun:
-    """A simulation of a world, built as in the node; warnings: a line each, of what flies away
-    too, as soon as it is simulated."""
+    """A simulation of a world, built as in the node.
+
+    Attributes:
+        warnings: Lines for the user; more come while it is simulated, as of what flies away.
+        is_partial: Whether something that a file asks for is not done.
+    """
 
     def __init__(self, given: Any):
         """Build it and start the motors; raise a UserError if it cannot be built.
@@ -36,7 +40,7 @@ class SimulationRun:
             PhysicsSettings(world=given.world, allow_partial_world=True), robots,
             with_sensors=True, with_bare=True, with_drives=bool(given.twist and not given.urdf))
         self.warnings = list(self._built.warnings)
-        self.left_out = self._built.left_out
+        self.is_partial = self._built.is_partial
         self._simulator = self._built.simulator
         self._simulator.warn = self.warnings.append
         self._figures = Figures(self._simulator)
@@ -94,7 +98,7 @@ class SimulationRun:
         """Write a PNG of each camera."""
         drawing = Drawing(self._built)
         self.warnings += ['not drawn: ' + line for line in drawing.missing]
-        self.left_out = (*self.left_out, *drawing.missing)
+        self.is_partial |= bool(drawing.missing)
         os.makedirs(folder, exist_ok=True)
         for mounted in self._simulator.sensors:
             names = {each.name: each.label for each in mounted.spec.sensors}

@@ -3,35 +3,52 @@
 loading/assemble.py reads the files for it. Warnings are returned; nothing is logged.
 """
 import contextlib
-from typing import Callable, Iterator, List, NamedTuple, Sequence, Tuple
+from typing import Callable, Iterator, List, NamedTuple, Optional, Sequence, Tuple
 
 from img_recog.errors import SimulationError, UserError, one_line, shortened
 from img_recog.formats import drive_tags
 from img_recog.formats.problems import Problems
 from img_recog.formats.world_file import WorldFile
+from img_recog.model import Tree
 from img_recog.simulation import configured_model, places, wheels
 from img_recog.simulation.configured_model import ConfiguredModel
 from img_recog.simulation.mounted_sensors import MountedSensors
 from img_recog.simulation.physics import standing
 from img_recog.simulation.physics.client import all_or_nothing, connect
+from img_recog.simulation.physics.framed_body import FramedBody
+from img_recog.simulation.physics.robot import check_motors
 from img_recog.simulation.physics.world import World
 from img_recog.simulation.pictures.scene import Scene, scene_of
 from img_recog.simulation.sensors.sensor import SensorKind
-from img_recog.simulation.simulation_settings import PhysicsSettings
+from img_recog.simulation.simulation_settings import PhysicsSettings, whole_steps
 from img_recog.simulation.simulated_model import Robot, SimulatedModel
 from img_recog.simulation.simulator import Simulator
 
 
 class Assembly(NamedTuple):
-    """A simulator, the scene of which copies can be drawn, and warnings, a line each.
+    """What was built, and what of it is not as the files ask.
 
-    left_out: what of the world could not be read or loaded.
+    Attributes:
+        simulator: Simulator.
+        scene: Scene of which copies can be drawn.
+        warnings: Lines for the user.
+        left_out: What of the world could not be read or loaded.
+        not_simulated: Drives and sensors of models of the world that are not simulated, each as a
+            few words.
     """
 
     simulator: Simulator
     scene: Scene
     warnings: Tuple[str, ...]
     left_out: Tuple[str, ...] = ()
+    not_simulated: Tuple[str, ...] = ()
+
+    @property
+    def is_partial(self) -> bool:
+        """Whether something that a file asks for is not done."""
+        file = self.simulator.world.file
+        return bool(self.left_out or self.not_simulated or file.findings or file.missing_looks
+                    or any(robot.not_done for robot in self.simulator.robots))
 
 
 def build(physics: PhysicsSettings, world: WorldFile,
@@ -69,41 +86,79 @@ def build(physics: PhysicsSettings, world: WorldFile,
     for robot in robots:
         warnings += add_robot(simulator, robot, unused_sensors)
         warnings += _place_of(simulator.robots[-1], simulated_world)
+    not_simulated: List[str] = []
     for tree in driven.values():
-        robot = configured_model.from_sdf(tree, physics.step_s, kinds, with_bare)
-        warnings += [*robot.warnings, *add_robot(simulator, robot)]
+        warnings += _add_driven(simulator, tree, kinds, with_bare)
     for overlap in simulator.overlaps():
         warnings.append('{}: they overlap at the start, and the physics will throw them apart; '
                         'set {}'.format(overlap, ', '.join(
                             map(option_name, ('x_pos', 'y_pos', 'z_pos')))))
     for model in simulator.models:
-        warnings += add_sensors(simulated_world, model, kinds, with_bare)
+        warnings += add_sensors(simulated_world, model, kinds, with_bare, not_simulated)
     return Assembly(simulator, scene_of(simulator), tuple(warnings),
-                    (*world.left_out, *problems.names))
+                    (*world.left_out, *problems.names), tuple(not_simulated))
+
+
+def _add_driven(simulator: Simulator, tree: Tree, kinds: Sequence[SensorKind],
+                with_bare: bool) -> List[str]:
+    """Add a model of the world as a robot; return warnings, a line each.
+
+    If its drive or a sensor cannot be used, the model is added as it is, and `add_sensors` finds
+    the reason.
+    """
+    try:
+        spec = configured_model.from_sdf(tree, simulator.world.step_s, kinds, with_bare)
+        return [*spec.warnings, *add_robot(simulator, spec)]
+    except SimulationError:
+        simulator.world.load([tree])
+        return []
 
 
 def add_sensors(world: World, model: SimulatedModel, kinds: Sequence[SensorKind],
-                with_bare: bool = False) -> List[str]:
-    """Add the sensors that the file of a model of the world has; return warnings, a line each.
+                with_bare: bool = False,
+                not_simulated: Optional[List[str]] = None) -> List[str]:
+    """Add the sensors that the file of a model of the world has; a robot has them already.
 
-    with_bare: see `build`. A robot has its sensors already.
+    Args:
+        world: World of the model.
+        model: Model.
+        kinds: Kinds of sensors; none for models without sensors.
+        with_bare: Whether sensors without a plugin are simulated, too.
+        not_simulated: Gets what is not simulated of the drive and the sensors.
+
+    Returns:
+        Warnings, a line each.
     """
     warnings: List[str] = []
+    not_simulated = [] if not_simulated is None else not_simulated
     for tree, body in zip(model.trees, model.bodies):
         if model.is_robot or not (kinds and tree.model.tags):
             continue
         try:
             spec = configured_model.from_sdf(tree, world.step_s, kinds, with_bare)
+            _check_drive(spec, world.step_s, body)
             # what has no place belongs to a drive, which only a robot has
             spec = spec._replace(sensors=tuple(each for each in spec.sensors if each.place))
             mounted = MountedSensors(spec, world, body)
         except SimulationError as error:
-            warnings.append('{}; its sensors are not simulated'.format(one_line(error)))
+            warnings.append('{}; its sensors {}are not simulated'.format(
+                one_line(error), 'and its drive ' * drive_tags.is_driven(tree.model)))
+            not_simulated.append('sensors of model ' + tree.name)
             continue
         warnings += spec.warnings
+        not_simulated += ['{} of model {}'.format(part, tree.name) for part in spec.not_simulated]
         if spec.sensors:
             model.sensors.append(mounted)
     return warnings
+
+
+def _check_drive(spec: ConfiguredModel, step_s: float, body: FramedBody) -> None:
+    """Raise SimulationError if a model could not drive as its file says."""
+    drive = spec.settings.drive
+    if drive.is_there:
+        whole_steps('drive_period_s', drive.drive_period_s, step_s)
+        with _refusal(spec):
+            check_motors(spec.new_drive().motors, body)
 
 
 def add_robot(simulator: Simulator, spec: ConfiguredModel,

@@ -64,6 +64,13 @@ class ConfiguredModel(NamedTuple):
         return [cast(CameraSettings, self.settings.sensors[each.name])
                 for each in self.sensors if each.kind.is_drawn]
 
+    @property
+    def not_done(self) -> List[str]:
+        """What the file asks for that is not done, each as a few words."""
+        model = self.model
+        return [*model.left_out, *self.not_simulated, *(each.text() for each in self.findings),
+                *model.missing_meshes, *model.missing_looks]
+
     def new_drive(self) -> Drive:
         """Return a drive with its settings; SimulationError when those cannot be used."""
         drive = self.settings.drive
