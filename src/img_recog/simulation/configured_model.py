@@ -154,8 +154,10 @@ def from_sdf(tree: Tree, step_s: float, kinds: Sequence[SensorKind],
     source = 'model ' + model.name
     try:
         drive = drive_tags.of_model(model, step_s)
-        in_tags, sensors, problems = in_files.read(model.tags, step_s, kinds,
-                                                   drive and drive.tags, with_bare)
+        tags = drive and drive.tags
+        in_tags, sensors, problems = in_files.read(model.tags, step_s, kinds, tags, with_bare)
+        if with_bare:       # the node, which simulates none of them, has the same problems
+            problems = in_files.read(model.tags, step_s, kinds, tags)[2]
         of_model = ['plugin ' + plugin.get('filename', '') for tag in model.tags if not tag.link
                     for plugin in tag.element.findall('plugin')]    # the audit names them
         not_simulated = tuple(part for part in dict.fromkeys(problems) if part not in of_model)
