@@ -156,8 +156,8 @@ def from_sdf(tree: Tree, step_s: float, kinds: Sequence[SensorKind],
         drive = drive_tags.of_model(model, step_s)
         tags = drive and drive.tags
         in_tags, sensors, problems = in_files.read(model.tags, step_s, kinds, tags, with_bare)
-        if with_bare:       # the node, which simulates none of them, has the same problems
-            problems = in_files.read(model.tags, step_s, kinds, tags)[2]
+        if not with_bare:       # in Gazebo, too, a sensor without a plugin has no topics in ROS
+            problems = in_files.read(model.tags, step_s, kinds, tags, with_bare=True)[2]
         of_model = ['plugin ' + plugin.get('filename', '') for tag in model.tags if not tag.link
                     for plugin in tag.element.findall('plugin')]    # the audit names them
         not_simulated = tuple(part for part in dict.fromkeys(problems) if part not in of_model)

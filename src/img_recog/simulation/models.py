@@ -163,10 +163,10 @@ class Models:
     def remove(self, name: str) -> SimulatedModel:
         """Remove a model from the world, and return it; SimulationError if it is the floor."""
         model = self.model(name)
-        if not isinstance(model, SimulatedModel):
+        if self._world.floor in model.bodies:
             raise SimulationError('model {} cannot be deleted'.format(name))
         self._world.remove(model)
-        return model
+        return cast(SimulatedModel, model)
 
     def _model(self, name: str) -> ModelBodies:
         """Return a model, or of MODEL::LINK what is joined to that link."""

@@ -163,10 +163,10 @@ class Requests:
 def test_copy_has_the_bodies_at_their_poses_and_maybe_a_floor(floor):
     assembly = robots.assemble('turtlebot3_world', -2.0, -0.5)
     poses, client = poses_of(assembly.simulator), connect()
-    assert len(poses) == 2 and poses[0].position[:2] == pytest.approx((-2.0, -0.5))
+    assert len(poses) == 2 and poses[1].position[:2] == pytest.approx((-2.0, -0.5))
     copy = SceneCopy(assembly.scene, client, floor)
     assert pybullet.getNumBodies(physicsClientId=client) == 2 + floor
-    moved = [poses[0]._replace(position=(1.0, 2.0, 0.0)), poses[1]]
+    moved = [poses[0], poses[1]._replace(position=(1.0, 2.0, 0.0))]
     copy.place(moved)
     assert [body.pose().position for body in copy.bodies] == [
         pytest.approx(pose.position, abs=1e-6) for pose in moved]

@@ -87,7 +87,7 @@ def test_each_sensor_measures_from_its_link_and_pose_whatever_the_frame_is_calle
     assert found['scan_2'] == pytest.approx([1.1], abs=0.002)
     assert found['range'] == pytest.approx(1.4 / math.cos(math.pi / 6), abs=0.004)
     robot = sim.robots[0]
-    assert [each.name for each in robot.sensors] == ['scan', 'scan_2', 'range']
+    assert [each.name for each in robot.spec.sensors] == ['scan', 'scan_2', 'range']
     assert [robot.settings.sensors[name].scan_frame for name in ('scan', 'scan_2')] == [
         'nowhere', 'imu_link']
 
