@@ -7,8 +7,8 @@ from img_recog.simulation.simulation_settings import SpawnSettings
 from img_recog_helpers.robots import burger
 from img_recog_helpers.sdf import model
 
-SCANNER = ('<{parent}><sensor name="{name}" type="ray"><update_rate>{rate}</update_rate><ray><scan>'
-           '<horizontal><samples>4</samples></horizontal></scan></ray><plugin name="{name}" '
+SCANNER = ('<{parent}><sensor name="{name}" type="ray"><update_rate>{rate}</update_rate><ray>'
+           '<scan><horizontal><samples>4</samples></horizontal></scan></ray><plugin name="{name}" '
            'filename="libgazebo_ros_laser.so"><topicName>{name}</topicName></plugin></sensor>'
            '</{parent_end}>')
 DRIVE = ('<plugin name="d" filename="libgazebo_ros_diff_drive.so"><leftJoint>wheel_left_joint'
@@ -71,17 +71,17 @@ ROBOTS = {
     'spawned URDF': lambda reader: reader.spawned('s', URDF, '', SpawnSettings()),
     'spawned SDF': spawned_sdf}
 GLOBAL, OWN = '/gazebo/{}', '/gazebo/robots/tb3_0/{}'
-# value in the tags, then the parameters that are set, and which robots have their values
+# name of the setting, its value in the tags, and where the value is that counts
 SETTINGS = {
-    'first scanner': ('scan_period_s', 0.1, lambda spec: spec.settings.sensors['scan'
-                                                                              ].scan_period_s),
-    'second scanner': ('scan_period_s', 0.05, lambda spec: spec.settings.sensors['scan_2'
-                                                                                ].scan_period_s),
+    'first scanner': ('scan_period_s', 0.1,
+                      lambda spec: spec.settings.sensors['scan'].scan_period_s),
+    'second scanner': ('scan_period_s', 0.05,
+                       lambda spec: spec.settings.sensors['scan_2'].scan_period_s),
     'drive': ('wheel_separation', 0.3, lambda spec: spec.settings.drive.wheel_separation)}
 
 
 @pytest.mark.parametrize('setting, robot, of_all, own', [
-    # a value that only OWN has, and whether GLOBAL counts where OWN has none
+    # of_all: whether a parameter for all robots counts; own: whether one for this robot does
     ('first scanner', 'single', True, False), ('first scanner', 'of ~robots', True, True),
     ('first scanner', 'spawned URDF', True, False), ('first scanner', 'spawned SDF', False, False),
     *(('second scanner', robot, False, False) for robot in ROBOTS),
@@ -117,6 +117,6 @@ def test_without_a_tag_parameters_add_a_sensor_and_count_more_than_the_default(s
     server['/robot_description'] = burger('')
     assert 'imu' not in sensors()
     server['/gazebo/imu_frame'] = 'imu_link'
-    assert sensors()['imu'].imu_period_s == 0.005
+    assert sensors()['imu'].imu_period_s == 0.001
     server['/gazebo/imu_period_s'] = 0.02
     assert sensors()['imu'].imu_period_s == 0.02
