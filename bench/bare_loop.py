@@ -9,7 +9,7 @@ from img_recog.loading import assemble
 from img_recog.simulation.physics.client import connect
 from img_recog.simulation.physics.world import World
 from img_recog.simulation.simulation_settings import PhysicsSettings
-from img_recog.simulation.vehicle import Vehicle
+from img_recog.simulation.simulated_model import Robot
 
 FOLDER = os.path.join(os.path.dirname(os.path.abspath(__file__)), os.pardir, 'urdf')
 BATCH = 1000
@@ -29,9 +29,9 @@ def main() -> None:
     worlds = {'turtlebot3_world': os.path.join(FOLDER, 'turtlebot3_world.urdf')}
     client, physics = connect(), PhysicsSettings()
     world = World(physics, world_file.read('turtlebot3_world', worlds), client)
-    vehicle = Vehicle(assemble.robot(os.path.join(FOLDER, 'turtlebot3_burger.urdf')), world)
+    robot = Robot(assemble.robot(os.path.join(FOLDER, 'turtlebot3_burger.urdf')), world)
     # the speeds of drive_sample.py, without a ramp: 0.02 m/s and 0.5 rad/s
-    vehicle.robot.set_wheel_velocities(((0.02 - 0.04) / 0.033, (0.02 + 0.04) / 0.033))
+    robot.body.set_wheel_velocities(((0.02 - 0.04) / 0.033, (0.02 + 0.04) / 0.033))
     world.step(BATCH)
     answer(lambda seconds: steps_per_s(world, seconds))
 

@@ -51,9 +51,9 @@ def simulate() -> Drive:
     """Return a drive, seen by the robot's camera."""
     built = scenario.build(resources.DEFAULT_WORLD, resources.burger(), SpawnSettings())
     simulator, parts = built.simulator, Parts(built.simulator)
-    vehicle = simulator.vehicles[0]
-    camera = RobotCamera(vehicle.robot, CameraSettings(camera_frame='camera_link'), parts.poses)
-    vehicle.command(*SPEEDS)
+    robot = simulator.robots[0]
+    camera = RobotCamera(robot.body, CameraSettings(camera_frame='camera_link'), parts.poses)
+    robot.command(*SPEEDS)
     visuals, moments = visual_scene.read(built.scene, parts), []
     for _ in range(FRAMES):
         simulator.advance(FRAME_STEPS)

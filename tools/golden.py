@@ -56,15 +56,15 @@ def text_of(path: str) -> str:
 
 
 def _robot(path: str) -> Iterator[str]:
-    robot = assemble.robot(path)
-    built = assemble.simulator(PhysicsSettings(world=EMPTY), [robot])
+    spec = assemble.robot(path)
+    built = assemble.simulator(PhysicsSettings(world=EMPTY), [spec])
     yield from ('warning ' + line for line in built.warnings)
-    vehicle = built.simulator.vehicles[0]
-    yield 'drive ' + _plain(dataclasses.asdict(robot.settings.drive))
-    for sensor in (each for each in vehicle.sensors if not each.kind.is_drawn):
+    robot = built.simulator.robots[0]
+    yield 'drive ' + _plain(dataclasses.asdict(spec.settings.drive))
+    for sensor in (each for each in spec.sensors if not each.kind.is_drawn):
         yield 'sensor {} on {} {}'.format(sensor.name, _plain(sensor.place),
-                                          _plain(vehicle.settings.sensors[sensor.name]))
-    yield from ('camera ' + _plain(camera) for camera in robot.cameras)
+                                          _plain(robot.settings.sensors[sensor.name]))
+    yield from ('camera ' + _plain(camera) for camera in spec.cameras)
     yield from _bodies(built)
 
 
@@ -84,7 +84,7 @@ def _bodies(built: Assembly) -> Iterator[str]:
     for what, values in (('link', figures.links()), ('joint', figures.joints()),
                          ('mass', figures.masses())):
         yield from ('{} {} {}'.format(what, *map(_plain, each)) for each in values.items())
-    for body in [*(vehicle.robot for vehicle in simulator.vehicles), *simulator.world.bodies]:
+    for body in simulator.world.bodies:
         yield from ('body {} {}'.format(body.name, line) for line in _of_body(body))
     parts = Parts(simulator)
     for visual in visual_scene.read(built.scene, parts).visuals:

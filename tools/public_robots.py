@@ -332,9 +332,9 @@ def _sdf_robot(robot: Robot, element: ElementTree.Element, source: str,
 
 def _poses(robot: Robot, built: Assembly, command: str) -> Iterator[List[float]]:
     simulator = built.simulator
-    for vehicle in simulator.vehicles:
+    for simulated in simulator.robots:
         # as in Gazebo, nothing else sets the motors
-        vehicle.drive = Drive(DriveSettings())
+        simulated.drive = Drive(DriveSettings())
     values = Figures(simulator)
     ends = {joint.rsplit(LINK_SEPARATOR, 1)[-1]: joint for joint in values.joints()}
     for joint, velocity in robot.motors(command):

@@ -7,7 +7,7 @@ from img_recog.conversions.sensor_table import SENSORS
 from img_recog.formats import world_file
 from img_recog.formats.markup import read_bytes
 from img_recog.simulation import assembly
-from img_recog.simulation.robot_spec import read_robot
+from img_recog.simulation.configured_model import from_urdf
 from img_recog.simulation.simulation_settings import PhysicsSettings, RobotSettings, SpawnSettings
 
 CAMERA, = (kind for kind in SENSORS if kind.is_drawn)
@@ -61,8 +61,8 @@ def build(world_name, specs, unused_sensors=(), option_name=str, allow_partial=F
 @functools.lru_cache(maxsize=16)         # it takes as long as the rest of a simulator
 def read(urdf, source='robot.urdf', find_mesh=None):
     """Return what the text of a URDF gives."""
-    return read_robot(urdf, PhysicsSettings().step_s, find_mesh or (lambda uri: None), source,
-                      SENSORS)
+    return from_urdf(urdf, PhysicsSettings().step_s, find_mesh or (lambda uri: None), source,
+                     SENSORS)
 
 
 def settings_of(x=0.0, y=0.0, yaw=0.0, z=0.0, **settings):

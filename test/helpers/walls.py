@@ -7,9 +7,10 @@ PURE = ('camera', 'formats', 'recognition', 'rendering', 'simulation', 'teleoper
 GROUND_FLOOR = ('command_line', 'errors', 'files', 'loading', 'model', 'processes', 'rotations',
                 'settings')
 # the rooms of simulation/, from the lowest to the highest: none imports one above it
-SIMULATION_ROOMS = ('simulation_settings', 'names', 'wheels', 'physics', 'sensors', 'robot_spec',
-                    'carrier', 'vehicle', 'guard', 'hanging', 'simulator', 'pictures', 'states',
-                    'models', 'model_forces', 'figures', 'places', 'pacing', 'assembly')
+SIMULATION_ROOMS = ('simulation_settings', 'names', 'wheels', 'physics', 'sensors',
+                    'configured_model', 'mounted_sensors', 'simulated_model', 'guard', 'hanging',
+                    'simulator', 'pictures', 'states', 'models', 'model_forces', 'figures',
+                    'places', 'pacing', 'assembly')
 # libraries that only some folders or files may use
 OWNERS = {
     **dict.fromkeys(('pybullet', 'pybullet_data', 'pybullet_utils'), (

@@ -4,7 +4,7 @@ import math
 from img_recog.conversions.sensor_table import SENSORS
 from img_recog.formats import world_file
 from img_recog.simulation import assembly
-from img_recog.simulation.robot_spec import read_robot
+from img_recog.simulation.configured_model import from_urdf
 from img_recog.simulation.simulation_settings import PhysicsSettings
 
 CYLINDER = '<cylinder radius="{radius}" length="0.04"/>'
@@ -78,8 +78,8 @@ def wheel_mesh(radius, middle=(0.0, 0.0), width=0.04, corners=36):
 
 def source(urdf, controllers=(), find_mesh=lambda uri: None):
     """Return what the text of a URDF gives; controllers: those on the parameter server."""
-    return read_robot(urdf, PhysicsSettings().step_s, find_mesh, 'robot.urdf', SENSORS,
-                      lambda namespace: dict(controllers))
+    return from_urdf(urdf, PhysicsSettings().step_s, find_mesh, 'robot.urdf', SENSORS,
+                     lambda namespace: dict(controllers))
 
 
 def assembled(urdf, controllers=(), find_mesh=lambda uri: None):
@@ -90,13 +90,13 @@ def assembled(urdf, controllers=(), find_mesh=lambda uri: None):
 
 def velocity(simulator, forward=0.0, turn=0.0, left=0.0, settle_s=0.8, seconds=0.5):
     """Return how fast the robot drives on a command: forward and left in m/s, turn in rad/s."""
-    vehicle = simulator.vehicles[0]
+    robot = simulator.robots[0]
     way, turned = [0.0, 0.0], 0.0
     for period in range(round((settle_s + seconds) / 0.05)):
-        vehicle.command(forward, turn, left)
-        before = vehicle.robot.motion()
+        robot.command(forward, turn, left)
+        before = robot.body.motion()
         simulator.advance(50)
-        now = vehicle.robot.motion()
+        now = robot.body.motion()
         if period < round(settle_s / 0.05):
             continue
         step = math.remainder(now.yaw - before.yaw, 2 * math.pi)

@@ -45,7 +45,7 @@ class Drive(Recorder):
         """
         built = scenario.build('color_posts', resources.burger(), SpawnSettings(x, y, 0.0, yaw))
         self.simulator, self.models = built.simulator, Models(built.simulator)
-        self._robot = built.simulator.vehicles[0].robot
+        self._robot = built.simulator.robots[0].body
         self._client = built.simulator.world.physics_client_id
         for name, place in (posts or {}).items():
             self.move(name, *place)
@@ -57,7 +57,7 @@ class Drive(Recorder):
         self._chain = Chain(built.simulator, self._recognition, False, [self])
 
     def _watch_contacts(self, world):
-        names = {body.body_id: body.name for body in world.bodies}
+        names = {body.body_id: body.name for body in world.scenery}
         advance = world.step
 
         def step(count=1):
@@ -105,7 +105,7 @@ class Drive(Recorder):
 
     def gap(self, name):
         """Return the distance between the robot and a body of the world in m."""
-        body = next(body for body in self.simulator.world.bodies if body.name == name)
+        body = next(body for body in self.simulator.world.scenery if body.name == name)
         return min(point[8] for point in pybullet.getClosestPoints(
             self._robot.body_id, body.body_id, 100.0, physicsClientId=self._client))
 

@@ -7,6 +7,7 @@ import rosbag
 from img_recog.processes.bag_recording import TOPICS
 from img_recog_helpers.service_calls import ServiceCalls
 from img_recog_helpers.simulator_tools import Echo
+from img_recog_helpers.waiting import wait_for
 
 IMAGES = '/usb_cam/image_raw/compressed'
 SECOND_NS = 10 ** 9
@@ -36,7 +37,10 @@ def test_each_recording_of_the_demo_is_replayed(ros, tmp_path, sources, robot, a
     demo = ros.demo('world:=empty', 'framerate:=10', 'record:={}/demo'.format(tmp_path),
                     *(each.format(**sources) for each in arguments))
     ros.node_pid('/record')
-    Echo(ros, robot + '/usb_cam/camera_info/header/stamp').wait_more(10)
+    infos = Echo(ros, robot + '/usb_cam/camera_info/header/stamp')
+    wait_for(lambda: '/record' in dict(ros.master().getSystemState('/test')[2][1]).get(
+        robot + IMAGES, ()), 'the recorder of ' + robot + IMAGES)
+    infos.wait_more(10)
     assert demo.interrupt() == 0, demo.output
     path = str(tmp_path / 'demo.bag')
     with rosbag.Bag(path) as bag:

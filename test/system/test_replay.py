@@ -15,10 +15,10 @@ from img_recog.conversions import image_msgs
 from img_recog.formats import world_file
 from img_recog.simulation.physics.client import connect
 from img_recog.simulation.physics.world import World
-from img_recog.simulation.robot_spec import RobotSpec
+from img_recog.simulation.configured_model import ConfiguredModel
 from img_recog.simulation.simulation_settings import PhysicsSettings, RobotSettings
 from img_recog.simulation.simulator import Simulator
-from img_recog.simulation.vehicle import Vehicle
+from img_recog.simulation.simulated_model import Robot
 from img_recog_helpers.parsed import lumped
 from img_recog_helpers.pages import ROOT
 from img_recog_helpers.replaying import contents
@@ -58,18 +58,19 @@ def drive(areas):
     """Return the pose of the demo's robot at the end of a video of these areas, 25 Hz."""
     client = connect()
     world = World(PhysicsSettings(), world_file.read(WORLD, {}), client)
-    vehicle = Vehicle(RobotSpec('burger', lumped(burger()), RobotSettings(
+    robot = Robot(ConfiguredModel('burger', lumped(burger()), RobotSettings(
         drive=burgers_drive())), world)
-    simulator = Simulator(world, [vehicle])
+    world.add([robot])
+    simulator = Simulator(world)
     for step in range(0, 40 * len(areas), 20):
         if step % 100 == 0:
-            vehicle.command(0.0, 0.0)
+            robot.command(0.0, 0.0)
         if step % 40 == 0:
             for area, speed in zip(areas[step // 40], (10.0, -10.0)):
                 if area > 1000:
-                    vehicle.command(speed, 0.0)
+                    robot.command(speed, 0.0)
         simulator.advance(20)
-    return vehicle.robot.motion()
+    return robot.body.motion()
 
 
 def write_bag(path, images):

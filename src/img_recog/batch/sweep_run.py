@@ -63,8 +63,8 @@ class Judge(Recorder):
     def __init__(self, simulator: Simulator, goal: str, success: Success):
         """Raise UserError if the world has no model `goal`."""
         self._simulator, self._success = simulator, success
-        self._robot = simulator.vehicles[0].robot
-        bodies = simulator.world.bodies
+        self._robot = simulator.robots[0].body
+        bodies = simulator.world.scenery
         self._goals = [body for body in bodies if fnmatch.fnmatchcase(body.name, goal)]
         if not self._goals:
             raise UserError('the world has no model {}'.format(goal),

@@ -65,8 +65,7 @@ def simulate_parser() -> argparse.ArgumentParser:
     parser = programs.parser(
         'simulate.py', 'Simulate a world as fast as it goes and print lines of JSON: where all '
         'links and joints are at each time, and at the end what the sensors measure, and the '
-        'masses. It needs no master. Exits with 1 if the world or the robot cannot be used, with '
-        '2 if something of the world is left out.')
+        'masses.' + _NO_MASTER)
     parser.add_argument('world', metavar='WORLD',
                         help='an SDF, URDF or xacro file, or what else `world` can be')
     parser.add_argument('--urdf', metavar='ROBOT', default='',
@@ -115,7 +114,7 @@ def _simulate(words: List[str], _: object) -> str:
             sys.stderr.write('warning: {}\n'.format(warning))
         told = len(run.warnings)
         programs.write(simulation_run.text_of(line))
-    return _Partial() if run.left_out else ''
+    return _Partial() if run.is_partial else ''
 
 
 _PROGRAMS = {'check_robot.py': _check_robot, 'check_world.py': _check_world,

@@ -18,10 +18,10 @@ from img_recog.formats.world_file import EMPTY
 from img_recog.formats.yaml_text import load_yaml
 from img_recog.loading import assemble
 from img_recog.simulation import wheels
-from img_recog.simulation.robot_spec import RobotSpec, refused
+from img_recog.simulation.configured_model import ConfiguredModel, refused
 from img_recog.simulation.simulation_settings import PhysicsSettings
 from img_recog.simulation.simulator import Simulator
-from img_recog.simulation.vehicle import Vehicle
+from img_recog.simulation.simulated_model import Robot
 
 _LINEAR, _ANGULAR = 0.2, 0.5            # commands in m/s and rad/s
 _SECONDS, _COMMAND_PERIOD_S = 2.0, 0.1
@@ -42,43 +42,40 @@ def check(path: str, parameters: Sequence[str] = ()) -> CheckReport:
     path: of a URDF or xacro file; parameters: paths of YAML files, those of its controllers.
     Raises a UserError when it cannot be used.
     """
-    robot = assemble.robot(path,
-                           controllers=lambda namespace: _controllers(namespace, parameters))
+    spec = assemble.robot(path,
+                          controllers=lambda namespace: _controllers(namespace, parameters))
     try:
-        check_topics(robot, [], lambda name: '/' + name.lstrip('/'))
+        check_topics(spec, [], lambda name: '/' + name.lstrip('/'))
     except UserError as error:
         raise refused(path, error.problem, error.advice)
-    drive = robot.settings.drive
-    built = assemble.simulator(PhysicsSettings(world=EMPTY), [robot])
-    simulator, vehicle = built.simulator, built.simulator.vehicles[0]
+    drive = spec.settings.drive
+    built = assemble.simulator(PhysicsSettings(world=EMPTY), [spec])
+    simulator, robot = built.simulator, built.simulator.robots[0]
     seen = looks.read(simulator)
-    rows = [*_body(vehicle, seen), *_friction(robot), *_drive(robot),
-            *_sensors(robot, vehicle),
-            *(CheckRow(NOT_SIMULATED, 'joint ' + each) for each in robot.model.left_out),
-            *(CheckRow(NOT_SIMULATED, each) for each in robot.not_simulated),
-            *rows_of(robot.findings),
-            *(CheckRow(NOT_DRAWN, 'mesh ' + uri) for uri in robot.model.missing_meshes),
-            *(CheckRow(NOT_DRAWN, each) for each in robot.model.missing_looks),
+    rows = [*_body(robot, seen), *_friction(spec), *_drive(spec),
+            *_sensors(spec, robot),
+            *(CheckRow(NOT_SIMULATED, 'joint ' + each) for each in spec.model.left_out),
+            *(CheckRow(NOT_SIMULATED, each) for each in spec.not_simulated),
+            *rows_of(spec.findings),
+            *(CheckRow(NOT_DRAWN, 'mesh ' + uri) for uri in spec.model.missing_meshes),
+            *(CheckRow(NOT_DRAWN, each) for each in spec.model.missing_looks),
             *seen.rows]
     lines: Dict[str, None] = {}
     # a wheel about a wrong axis leaves the floor, which is not its defect
-    if not wheels.measure(robot.model, drive).askew:
+    if not wheels.measure(spec.model, drive).askew:
         simulator.warn = lambda line: lines.update({'{}: {}'.format(path, line): None})
-    driven = list(_driven(robot, simulator)) if drive.is_there else []
+    driven = list(_driven(spec, simulator)) if drive.is_there else []
     slips = max(len(drive.left_joints), len(drive.right_joints)) > 1
     drifts = [each for each in driven if not each.asked]
     still = [each for each in driven if each.got < each.asked * (
         _SLIPS if slips and each.what == _TURNING else _DRIVES)]
-    unmounted = [each.name for each in robot.sensors
-                 if each.values and each.name in vehicle.missing_sensors]
-    missing = (*robot.model.left_out, *unmounted, *robot.not_simulated, *robot.findings,
-               *(row for row in rows if row.state == NOT_DRAWN), *still)
-    return CheckReport('robot {} in {}'.format(vehicle.robot.name, path),
+    return CheckReport('robot {} in {}'.format(robot.body.name, path),
                        rows + [each.row() for each in driven],
                        # one that does not touch the floor cannot drive
                        (*built.warnings,
                         *(lines or [each.warning(path) for each in still + drifts])),
-                       is_partial=bool(missing) or not drive.is_there)
+                       is_partial=bool(built.is_partial or still or not drive.is_there
+                                       or any(row.state == NOT_DRAWN for row in rows)))
 
 
 def _controllers(namespace: str, paths: Sequence[str]) -> Controllers:
@@ -96,21 +93,21 @@ def _controllers(namespace: str, paths: Sequence[str]) -> Controllers:
     return found
 
 
-def _body(vehicle: Vehicle, seen: Looks) -> Iterator[CheckRow]:
-    robot = vehicle.robot
-    yield CheckRow(SIMULATED, 'mass', '{:.4g} kg'.format(robot.mass()))
+def _body(robot: Robot, seen: Looks) -> Iterator[CheckRow]:
+    body = robot.body
+    yield CheckRow(SIMULATED, 'mass', '{:.4g} kg'.format(body.mass()))
     yield CheckRow(SIMULATED, 'size', size(seen.boxes[0]))
-    yield CheckRow(SIMULATED, 'root link', robot.root)
-    yield CheckRow(SIMULATED, 'movable joints', ', '.join(robot.joints) or 'none')
-    held = [joint.name for joint in robot.model.joints if joint.held and joint.name not in (
-        *vehicle.settings.drive.left_joints, *vehicle.settings.drive.right_joints)]
+    yield CheckRow(SIMULATED, 'root link', body.root)
+    yield CheckRow(SIMULATED, 'movable joints', ', '.join(body.joints) or 'none')
+    held = [joint.name for joint in body.model.joints if joint.held and joint.name not in (
+        *robot.settings.drive.left_joints, *robot.settings.drive.right_joints)]
     if held:
         yield CheckRow(SIMULATED, 'joints that are held', ', '.join(held), 'ros_control')
-    for name in robot.model.changed_inertias:
+    for name in body.model.changed_inertias:
         yield CheckRow(ASSUMED, 'inertia of ' + name, 'the nearest possible one')
 
 
-def _friction(robot: RobotSpec) -> Iterator[CheckRow]:
+def _friction(robot: ConfiguredModel) -> Iterator[CheckRow]:
     """Return a row for the links of each coefficient."""
     links = [link for link in robot.model.links if link.solids]
     for state, source in ((SIMULATED, '<mu1>, <mu> or <lateral_friction>'), (ASSUMED, 'default')):
@@ -121,7 +118,7 @@ def _friction(robot: RobotSpec) -> Iterator[CheckRow]:
                 link.name for link in of_state if link.surface.mu == value)), source)
 
 
-def _drive(robot: RobotSpec) -> Iterator[CheckRow]:
+def _drive(robot: ConfiguredModel) -> Iterator[CheckRow]:
     drive = robot.settings.drive
     if not drive.is_there:
         yield CheckRow(NOT_SIMULATED, 'drive', 'none')
@@ -152,16 +149,16 @@ def _text(value: Any) -> str:
     return '{:g}'.format(value) if isinstance(value, float) else str(value)
 
 
-def _sensors(robot: RobotSpec, vehicle: Vehicle) -> Iterator[CheckRow]:
-    for name, kind, _, _, place, *_ in robot.sensors:
-        settings = vehicle.settings.sensors[name]
+def _sensors(spec: ConfiguredModel, robot: Robot) -> Iterator[CheckRow]:
+    for name, kind, _, _, place, *_ in spec.sensors:
+        settings = robot.settings.sensors[name]
         if kind.is_drawn:
             yield _camera(settings)
             continue
-        if name in vehicle.missing_sensors:
-            yield CheckRow(NOT_SIMULATED, name, 'no link ' + vehicle.missing_sensors[name])
+        if name in robot.missing_sensors:
+            yield CheckRow(NOT_SIMULATED, name, 'no link ' + robot.missing_sensors[name])
             continue
-        is_given = place is not None or any(field.name in robot.tag_values
+        is_given = place is not None or any(field.name in spec.tag_values
                                             for field in dataclasses.fields(settings))
         yield CheckRow(SIMULATED if is_given else ASSUMED, name, '{} on {}, {:.4g} Hz'.format(
             getattr(kind.msg_type, '_type'), kind.topic(settings),
@@ -194,24 +191,24 @@ class _Driven(NamedTuple):
             source, self.what, self.got, self.unit, self.asked, _WHEELS)
 
 
-def _driven(robot: RobotSpec, simulator: Simulator) -> Iterator[_Driven]:
+def _driven(spec: ConfiguredModel, simulator: Simulator) -> Iterator[_Driven]:
     """Yield how fast the robot moves when it is told to, on the floor alone.
 
     Also yield how far it moves when it is told to turn in place, if that is far.
     """
-    vehicle = simulator.vehicles[0]
-    for sensor in robot.sensors:
-        vehicle.set_sensor_enabled(sensor.name, False)
-    drive = vehicle.settings.drive
+    robot = simulator.robots[0]
+    for sensor in spec.sensors:
+        robot.set_sensor_enabled(sensor.name, False)
+    drive = robot.settings.drive
     linear = min(_LINEAR, drive.max_linear_velocity or _LINEAR)
     angular = min(_ANGULAR, drive.max_angular_velocity or _ANGULAR)
     for what, command, unit in (('straight', (linear, 0.0), 'm/s'),
                                 (_TURNING, (0.0, angular), 'rad/s')):
         simulator.reset_world()
         _drive_on(simulator, command)
-        start, middle = vehicle.robot.motion(), _middle_of_wheels(vehicle)
+        start, middle = robot.body.motion(), _middle_of_wheels(robot)
         _drive_on(simulator, command)
-        end, moved = vehicle.robot.motion(), _middle_of_wheels(vehicle) - middle
+        end, moved = robot.body.motion(), _middle_of_wheels(robot) - middle
         way = math.remainder(end.yaw - start.yaw, 2 * math.pi) if command[1] else float(
             (end.position - start.position) @ (math.cos(start.yaw), math.sin(start.yaw), 0.0))
         yield _Driven(what, way / _SECONDS, sum(command), unit)
@@ -220,18 +217,18 @@ def _driven(robot: RobotSpec, simulator: Simulator) -> Iterator[_Driven]:
             yield _Driven('moved while turning', drift, 0.0, 'm')
 
 
-def _middle_of_wheels(vehicle: Vehicle) -> np.ndarray:
+def _middle_of_wheels(robot: Robot) -> np.ndarray:
     """Return the middle (3,) of the driven wheels in m, or of the root link if there are none."""
-    drive = vehicle.settings.drive
+    drive = robot.settings.drive
     links: List[Optional[str]] = [
-        joint.child for joint in vehicle.robot.model.joints
+        joint.child for joint in robot.body.model.joints
         if joint.name in (*drive.left_joints, *drive.right_joints)]
-    return np.mean([vehicle.robot.motion(link).position for link in links or [None]], axis=0)
+    return np.mean([robot.body.motion(link).position for link in links or [None]], axis=0)
 
 
 def _drive_on(simulator: Simulator, command: Tuple[float, float]) -> None:
     """Drive for _SECONDS; the command is repeated, since a robot may stop without one."""
     periods = round(_SECONDS / _COMMAND_PERIOD_S)
     for _ in range(periods):
-        simulator.vehicles[0].command(*command)
+        simulator.robots[0].command(*command)
         simulator.advance(round(_COMMAND_PERIOD_S / simulator.world.step_s))

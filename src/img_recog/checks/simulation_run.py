@@ -11,17 +11,21 @@ import cv2
 from img_recog.conversions.robot_cameras import DrawnCamera, Drawing
 from img_recog.errors import UserError
 from img_recog.loading import assemble
-from img_recog.simulation.carrier import Carrier
 from img_recog.simulation.figures import Figures
 from img_recog.simulation.models import Models
+from img_recog.simulation.mounted_sensors import MountedSensors
 from img_recog.simulation.simulation_settings import PhysicsSettings, SpawnSettings
 
 _PRINTED = ('imu', 'range', 'scan')         # kinds of sensors
 
 
 class SimulationRun:
-    """A simulation of a world, built as in the node; warnings: a line each, of what flies away
-    too, as soon as it is simulated."""
+    """A simulation of a world, built as in the node.
+
+    Attributes:
+        warnings: Lines for the user; more come while it is simulated, as of what flies away.
+        is_partial: Whether something that a file asks for is not done.
+    """
 
     def __init__(self, given: Any):
         """Build it and start the motors; raise a UserError if it cannot be built.
@@ -36,7 +40,7 @@ class SimulationRun:
             PhysicsSettings(world=given.world, allow_partial_world=True), robots,
             with_sensors=True, with_bare=True, with_drives=bool(given.twist and not given.urdf))
         self.warnings = list(self._built.warnings)
-        self.left_out = self._built.left_out
+        self.is_partial = self._built.is_partial
         self._simulator = self._built.simulator
         self._simulator.warn = self.warnings.append
         self._figures = Figures(self._simulator)
@@ -46,10 +50,10 @@ class SimulationRun:
             models.set_state(name, models.state(name)._replace(
                 linear=numbers[:3], angular=numbers[3:] or [0.0] * 3))
         if given.twist:
-            if not self._simulator.vehicles:
+            if not self._simulator.robots:
                 raise UserError('--twist: there is no robot', 'set --urdf, or give a model of the '
                                 'world the plugin of a drive')
-            self._simulator.vehicles[0].command(*given.twist)
+            self._simulator.robots[0].command(*given.twist)
         for joint, numbers in given.drive:
             self._figures.set_motor(joint, *numbers)
 
@@ -65,8 +69,8 @@ class SimulationRun:
                 self._readings[reading.robot, reading.sensor] = reading.value
             if steps == every:
                 yield self._line()
-        for carrier in self._simulator.carriers:
-            yield from self._of_sensors(carrier)
+        for mounted in self._simulator.sensors:
+            yield from self._of_sensors(mounted)
         if self._given.pictures:
             self._draw(self._given.pictures)
         yield {'end': True, 'mass': self._figures.masses()}
@@ -75,11 +79,11 @@ class SimulationRun:
         return {'t': round(self._simulator.time_s, 9), 'links': self._figures.links(),
                 'joints': self._figures.joints()}
 
-    def _of_sensors(self, carrier: Carrier) -> Iterator[Dict[str, Any]]:
+    def _of_sensors(self, mounted: MountedSensors) -> Iterator[Dict[str, Any]]:
         """Yield lines with the names that Gazebo has for sensors."""
-        rays = carrier.measure()        # now: Gazebo's recorder casts them at the end, too
-        for each in carrier.sensors:
-            value = rays.get(each.name, self._readings.get((carrier.robot.name, each.name)))
+        rays = mounted.measure()        # now: Gazebo's recorder casts them at the end, too
+        for each in mounted.spec.sensors:
+            value = rays.get(each.name, self._readings.get((mounted.body.name, each.name)))
             if each.kind.name not in _PRINTED or value is None:
                 continue
             name = each.label or each.name
@@ -94,11 +98,11 @@ class SimulationRun:
         """Write a PNG of each camera."""
         drawing = Drawing(self._built)
         self.warnings += ['not drawn: ' + line for line in drawing.missing]
-        self.left_out = (*self.left_out, *drawing.missing)
+        self.is_partial |= bool(drawing.missing)
         os.makedirs(folder, exist_ok=True)
-        for carrier in self._simulator.carriers:
-            names = {each.name: each.label for each in carrier.sensors}
-            for sensor, camera in carrier.cameras.items():
+        for mounted in self._simulator.sensors:
+            names = {each.name: each.label for each in mounted.spec.sensors}
+            for sensor, camera in mounted.cameras.items():
                 camera.poses, name = drawing.poses, names[sensor]
                 image = drawing.image(DrawnCamera(camera.settings), camera.read(),
                                       zlib.crc32(name.encode()))

@@ -5,8 +5,8 @@ import numpy as np
 
 from img_recog.checks import looks
 from img_recog.checks.looks import Looks
-from img_recog.checks.report import (LEFT_OUT, NOT_DRAWN, SIMULATED, CheckReport, CheckRow,
-                                     rows_of, size)
+from img_recog.checks.report import (LEFT_OUT, NOT_DRAWN, NOT_SIMULATED, SIMULATED, CheckReport,
+                                     CheckRow, rows_of, size)
 from img_recog.formats.world_file import WorldFile
 from img_recog.loading import assemble
 from img_recog.simulation.physics.world import World
@@ -21,21 +21,25 @@ def check(path: str, allow_partial: bool = False) -> CheckReport:
     allow_partial: whether one of which something is left out can be used.
     Raises a UserError when the file cannot be used at all.
     """
-    built = assemble.simulator(PhysicsSettings(world=path, allow_partial_world=True))
+    built = assemble.simulator(PhysicsSettings(world=path, allow_partial_world=True),
+                               with_sensors=True, with_drives=True)
     file, left_out = built.simulator.world.file, built.left_out
     seen = looks.read(built.simulator)
-    rows = [*_models(built.simulator.world, seen), *_rest(file), *seen.rows,
+    rows = [*_models(built.simulator.world, seen), *_rest(file),
+            *(CheckRow(NOT_SIMULATED, each) for each in built.not_simulated),
+            *(CheckRow(NOT_SIMULATED, each, robot.name) for robot in built.simulator.robots
+              for each in robot.not_done), *seen.rows,
             *(CheckRow(NOT_DRAWN, each, 'its surface') for each in file.missing_looks),
             *(CheckRow(LEFT_OUT, each, 'needs ' + _OPTION) for each in left_out)]
     problem = '' if allow_partial or not left_out else (
         'something is left out of it; give --allow-partial-world here, and {} to the demo'.format(
             _OPTION))
     return CheckReport('world {} in {}'.format(file.name, path), rows, built.warnings, problem,
-                       bool(file.findings) or any(row.state == NOT_DRAWN for row in rows))
+                       built.is_partial or any(row.state == NOT_DRAWN for row in rows))
 
 
 def _models(world: World, seen: Looks) -> Iterator[CheckRow]:
-    for tree, body, box in zip(world.file.trees, world.bodies, seen.boxes):
+    for tree, body, box in zip(world.trees, world.bodies, seen.boxes):
         how = '{:.4g} kg'.format(body.mass())
         if tree.fixed:      # what is static has no inertia
             mass = sum(link.inertia.mass for link in tree.model.links if link.inertia)
@@ -44,7 +48,7 @@ def _models(world: World, seen: Looks) -> Iterator[CheckRow]:
     boxes = [box for box in seen.boxes if box is not None]
     if boxes:
         yield CheckRow(SIMULATED, 'models', '{}, {}'.format(
-            sum(tree.first for tree in world.file.trees),
+            sum(tree.first for tree in world.trees),
             size(np.array([np.min(boxes, axis=0)[0], np.max(boxes, axis=0)[1]]))))
 
 

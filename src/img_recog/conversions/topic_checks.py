@@ -5,7 +5,7 @@ import rosgraph
 
 from img_recog.errors import SimulationError, UserError
 from img_recog.settings import SettingError
-from img_recog.simulation.robot_spec import RobotSpec
+from img_recog.simulation.configured_model import ConfiguredModel
 from img_recog.simulation.names import topic_fields
 
 _TAKEN = '/clock', '/tf', '/tf_static', '/rosout', '/rosout_agg', '/diagnostics'
@@ -13,7 +13,8 @@ _TAKEN = '/clock', '/tf', '/tf_static', '/rosout', '/rosout_agg', '/diagnostics'
 Resolve = Callable[[str], str]
 
 
-def check_topics(spec: RobotSpec, others: Sequence[RobotSpec], resolve: Resolve) -> None:
+def check_topics(spec: ConfiguredModel, others: Sequence[ConfiguredModel],
+                 resolve: Resolve) -> None:
     """Raise a UserError if a topic has no valid name, or would be that of two sensors or of
     something else.
 
@@ -37,7 +38,7 @@ def check_topics(spec: RobotSpec, others: Sequence[RobotSpec], resolve: Resolve)
                                   'give each another topic')
 
 
-def _check_names(spec: RobotSpec) -> None:
+def _check_names(spec: ConfiguredModel) -> None:
     for settings in (spec.settings.drive, *spec.settings.sensors.values()):
         for setting in topic_fields(settings):
             topic = spec.names.topic(getattr(settings, setting))
@@ -45,7 +46,7 @@ def _check_names(spec: RobotSpec) -> None:
                 raise SettingError(setting, topic, 'a valid topic name')
 
 
-def _check_cameras(specs: Sequence[RobotSpec], resolve: Resolve) -> None:
+def _check_cameras(specs: Sequence[ConfiguredModel], resolve: Resolve) -> None:
     owners: Dict[str, str] = {}
     for spec in specs:
         for camera in [spec.names.seen(each) for each in spec.cameras]:
@@ -59,11 +60,11 @@ def _check_cameras(specs: Sequence[RobotSpec], resolve: Resolve) -> None:
                                     '<cameraName>; as parameters, another ' + setting)
 
 
-def _command_topic(spec: RobotSpec, resolve: Resolve) -> str:
+def _command_topic(spec: ConfiguredModel, resolve: Resolve) -> str:
     return resolve(spec.names.topic(spec.settings.drive.command_topic))
 
 
-def _published(spec: RobotSpec, resolve: Resolve) -> List[str]:
+def _published(spec: ConfiguredModel, resolve: Resolve) -> List[str]:
     """Return the resolved names of the topics of the sensors.
 
     Sensors of a kind can share one, like in Gazebo.

@@ -7,9 +7,9 @@ from img_recog.formats.drive_controllers import FindControllers
 from img_recog.formats.world_file import WorldFile
 from img_recog.loading import resources, robot_file
 from img_recog.settings import from_mapping
-from img_recog.simulation import assembly, robot_spec
+from img_recog.simulation import assembly, configured_model
 from img_recog.simulation.assembly import Assembly
-from img_recog.simulation.robot_spec import ReadSettings, RobotSpec
+from img_recog.simulation.configured_model import ReadSettings, ConfiguredModel
 from img_recog.simulation.simulation_settings import PhysicsSettings
 
 OptionName = Callable[[str], str]
@@ -24,10 +24,10 @@ def world(name: str, allow_partial: bool = True,
 
 
 def robot(path: str, option: str = 'FILE',
-          controllers: FindControllers = drive_controllers.none) -> RobotSpec:
+          controllers: FindControllers = drive_controllers.none) -> ConfiguredModel:
     """Return the robot in a URDF or xacro file, with the settings of its tags.
 
-    option: what the user types to name the file. controllers: see robot_spec.read_robot.
+    option: what the user types to name the file. controllers: see configured_model.from_urdf.
     Raises UserError when it cannot be used.
     """
     return robot_of(robot_file.read(path, option), path, _STEP_S, controllers)
@@ -35,14 +35,15 @@ def robot(path: str, option: str = 'FILE',
 
 def robot_of(urdf: str, source: str, step_s: float = _STEP_S,
              controllers: FindControllers = drive_controllers.none,
-             read: ReadSettings = from_mapping) -> RobotSpec:
+             read: ReadSettings = from_mapping) -> ConfiguredModel:
     """Return the robot in the text of a URDF; arguments and errors as for
-    robot_spec.read_robot.
+    configured_model.from_urdf.
     """
-    return robot_spec.read_robot(urdf, step_s, resources.find, source, SENSORS, controllers, read)
+    return configured_model.from_urdf(urdf, step_s, resources.find, source, SENSORS, controllers,
+                                      read)
 
 
-def simulator(physics: PhysicsSettings, robots: Sequence[RobotSpec] = (),
+def simulator(physics: PhysicsSettings, robots: Sequence[ConfiguredModel] = (),
               unused_sensors: Sequence[str] = (), option_name: OptionName = str,
               with_sensors: bool = False, with_bare: bool = False,
               with_drives: bool = False) -> Assembly:

@@ -17,7 +17,7 @@ from img_recog.recordings.frames import SECOND_NS, Frame, Frames
 if TYPE_CHECKING:       # they import PyBullet, which film.py does not need
     from img_recog.simulation.physics.body import Motion
     from img_recog.simulation.simulator import Simulator
-    from img_recog.simulation.carrier import Reading
+    from img_recog.simulation.mounted_sensors import Reading
 
 RECOGNITION, TELEOP = 'recognition', 'teleop'
 _TELEOP_PERIOD_NS = SECOND_NS // 10     # the idle teleop publishes zeros at 10 Hz
@@ -133,13 +133,13 @@ class Chain:
 
     def __init__(self, simulator: 'Simulator', recognition: Recognition, teleop: bool,
                  recorders: Sequence[Recorder]):
-        """Drive the first vehicle of `simulator`, which must not have been advanced yet.
+        """Drive the first robot of `simulator`, which must not have been advanced yet.
 
         recognition: the one that has measured the frames.
         teleop: whether to send zeros at 10 Hz, like the idle teleop; at the time of a frame they
         are sent just before its commands.
         """
-        self._simulator, (self._vehicle,) = simulator, simulator.vehicles
+        self._simulator, (self._robot,) = simulator, simulator.robots
         self._step_ns = round(simulator.world.step_s * SECOND_NS)
         self._steps = 0
         self._recorders = recorders
@@ -194,7 +194,7 @@ class Chain:
     def _process_frame(self, measurement: FrameMeasurement, time_ns: int) -> None:
         commands = self._recognition.decide(measurement, time_ns / SECOND_NS)
         result = FrameResult(measurement.frame, time_ns, measurement.areas_px,
-                             measurement.centroids, commands, self._vehicle.robot.motion())
+                             measurement.centroids, commands, self._robot.body.motion())
         for recorder in self._recorders:
             recorder.on_frame(result)
         self._send(time_ns, commands, RECOGNITION)
@@ -202,7 +202,7 @@ class Chain:
 
     def _send(self, time_ns: int, commands: Iterable[Command], sender: str) -> None:
         for command in commands:
-            self._vehicle.command(*command)
+            self._robot.command(*command)
             for recorder in self._recorders:
                 recorder.on_command(CommandSent(time_ns, command, sender))
 

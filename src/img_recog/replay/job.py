@@ -70,11 +70,11 @@ def replay(options: argparse.Namespace, begin_s: float, interrupts: Interrupts) 
     frames = recording or _robot_frames(built, options.seconds)
     recognition = make_recognition(frames)
     simulator = built.simulator
-    vehicle, = simulator.vehicles
+    robot, = simulator.robots
     plot = PlotRecorder(settings.colors)
     with files.atomic_write(paths) as (bag_file, csv_file, png_file, *film_files), \
             contextlib.ExitStack() as stack:
-        bag = BagRecorder(bag_file, settings.color_names, vehicle.settings.sensors)
+        bag = BagRecorder(bag_file, settings.color_names, robot.settings.sensors)
         table = TableRecorder(stack.enter_context(results.csv_table(
             csv_file, TableRecorder.head(settings.color_names))))
         recorders: List[Recorder] = [bag, table, plot]
@@ -105,7 +105,7 @@ def replay(options: argparse.Namespace, begin_s: float, interrupts: Interrupts) 
     for warning in frames.warnings + recognition.warnings:
         _log.warning('%s', warning)
     whole_s = time.perf_counter() - begin_s
-    return _summary(plot.frames, end_ns / SECOND_NS, loop_s, whole_s, vehicle.robot.motion(),
+    return _summary(plot.frames, end_ns / SECOND_NS, loop_s, whole_s, robot.body.motion(),
                     paths)
 
 

@@ -12,7 +12,7 @@ from img_recog.recognition.recognition_settings import Color
 from img_recog.replay.chain import (RECOGNITION, SECOND_NS, TELEOP, CommandSent, FrameResult,
                                     Recorder)
 from img_recog.replay.plot_data import SPEED, TURN, PlotData, Rows
-from img_recog.simulation.carrier import Reading
+from img_recog.simulation.mounted_sensors import Reading
 
 RECORDED = 'odometry', 'joint_states'       # of the sensors
 _KINDS = {kind.name: kind for kind in SENSORS}
@@ -28,7 +28,7 @@ class BagRecorder(Recorder):
     def __init__(self, file: IO[bytes], names: Sequence[str], sensors: Mapping[str, Any]):
         """Write to an open, empty file.
 
-        names: of the colors; sensors: the settings of a vehicle's sensors.
+        names: of the colors; sensors: the settings of a robot's sensors.
         """
         self._bag = rosbag.Bag(file, 'w')
         self._names, self._sensors = names, sensors

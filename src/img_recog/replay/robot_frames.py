@@ -33,8 +33,8 @@ class RobotFrames(Frames):
         """
         super().__init__(settings.camera_frame)
         self._camera, self._drawing = DrawnCamera(settings), Drawing(built, drawn_by)
-        vehicle, = built.simulator.vehicles
-        self._sensor = RobotCamera(vehicle.robot, settings, self._drawing.poses)
+        robot, = built.simulator.robots
+        self._sensor = RobotCamera(robot.body, settings, self._drawing.poses)
         self._noise_seed = noise_seed
         self._light = None if light == LightSettings() else LightFilter(light)
         self._frame_id = settings.camera_optical_frame

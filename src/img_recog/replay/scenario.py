@@ -41,10 +41,10 @@ def camera_settings(built: Assembly) -> CameraSettings:
 
     Raises UserError if it has neither.
     """
-    vehicle, = built.simulator.vehicles
-    if vehicle.spec.cameras:
-        return vehicle.spec.cameras[0]
-    if vehicle.robot.has_frame(_CAMERA_LINK):
+    robot, = built.simulator.robots
+    if robot.spec.cameras:
+        return robot.spec.cameras[0]
+    if robot.body.has_frame(_CAMERA_LINK):
         return CameraSettings(camera_frame=_CAMERA_LINK, camera_optical_frame=_CAMERA_FRAME)
     raise UserError('--camera robot: the robot has no camera: neither a <sensor type="camera"> in '
                     'its URDF nor a link ' + _CAMERA_LINK, 'add one of them, or set --urdf to a '

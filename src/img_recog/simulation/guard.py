@@ -1,13 +1,13 @@
 """Keeps what the physics throws to infinity away from the rest of the world."""
 import itertools
 import math
-from typing import Callable, Dict, Iterable, List, Sequence, Set
+from typing import Callable, Dict, Iterable, Iterator, List, Sequence, Set
 
 from img_recog.simulation.physics.body import BodyState
 from img_recog.simulation.physics.framed_body import FramedBody
+from img_recog.simulation.physics.model_bodies import ModelBodies
 from img_recog.simulation.physics.sleeping import IDLE_S
 from img_recog.simulation.physics.world import World
-from img_recog.simulation.vehicle import Vehicle
 
 # m: beyond what can be set from outside, see states.py
 _FAR_M = 1e7
@@ -16,8 +16,6 @@ _FAST = 5e4
 _LOOK_STEPS = 10        # from one look to the next one
 _SAVED_STEPS = 100      # from one state of all bodies that is kept to the next one
 _AT_A_LOOK = 8          # bodies that are looked at: more would take time
-
-_Bodies = Sequence[FramedBody]
 
 
 class Guard:
@@ -28,9 +26,9 @@ class Guard:
     and one after another is tried: those that bring NaN are frozen until a reset.
     """
 
-    def __init__(self, world: World, vehicles: Sequence[Vehicle], warn: Callable[[str], None]):
-        """vehicles: those in the world, a list that changes; warn: gets a line for each model."""
-        self._world, self._vehicles, self._warn = world, vehicles, warn
+    def __init__(self, world: World, warn: Callable[[str], None]):
+        """warn: gets a line for each model."""
+        self._world, self._warn = world, warn
         self._states: Dict[FramedBody, BodyState] = {}      # of all that moves
         self._moving: List[FramedBody] = []                 # those of the states
         self._asleep: Set[int] = set()                      # those that slept at the last states
@@ -79,26 +77,25 @@ class Guard:
         self._find()
         self._has_moved_back = False
         for model in self._models:
-            if model[0] in self._frozen:
+            if model.bodies[0] in self._frozen:
                 self._thaw(model)
         self._restore({}, [model for model in self._models if not all(
-            _is_small(body.state()) for body in model if _moves(body))])
+            _is_small(body.state()) for body in model.bodies if _moves(body))])
         self._revision = -1
 
     def _find(self) -> None:
         """Look for bodies that were added or removed."""
-        self._models: List[List[FramedBody]] = []
-        for tree, body in zip(self._world.file.trees, self._world.bodies):
-            if tree.first:
-                self._models.append([])
-            self._models[-1].append(body)
-        self._models += [[vehicle.robot] for vehicle in self._vehicles]
-        bodies = set(itertools.chain(*self._models))
+        self._models = [model for model in self._world.models
+                        if model.bodies[0] is not self._world.floor]
+        bodies = set(self._bodies())
         self._frozen = {body: fixed for body, fixed in self._frozen.items() if body in bodies}
         self._revision = self._world.revision
 
+    def _bodies(self) -> Iterator[FramedBody]:
+        return itertools.chain.from_iterable(model.bodies for model in self._models)
+
     def _save(self, steps: int) -> None:
-        self._states = {body: body.state() for body in itertools.chain(*self._models)
+        self._states = {body: body.state() for body in self._bodies()
                         if body not in self._frozen and _moves(body)}
         self._moving, self._asleep = list(self._states), set()
         self._saved_at = self._looked_at = steps
@@ -108,10 +105,11 @@ class Guard:
         before, trial = dict(self._states), steps - self._saved_at + 1
         saved_s = self._saved_at * self._world.step_s
         now = {body: body.state() for body in before}
-        large: List[_Bodies] = [
+        large: List[ModelBodies] = [
             model for model in self._models
-            if any(body in now and not _is_small(now[body]) for body in model)]
-        back = {body: before[body] for model in large for body in model if body in before}
+            if any(body in now and not _is_small(now[body]) for body in model.bodies)]
+        back = {body: before[body] for model in large for body in model.bodies
+                if body in before}
         now.update(back)
         spread = not all(_is_finite(body.state()) for body in [*back, *self._world.fixed])
         self._restore(now, large)
@@ -120,19 +118,19 @@ class Guard:
             self._has_moved_back = True
             self._warn('{}: the physics computed nan, and not again from where they were at {:g} '
                        's; they were moved back to there'.format(
-                           ', '.join(model[0].name for model in large), saved_s))
+                           ', '.join(model.bodies[0].name for model in large), saved_s))
             return
         for model in culprits or large:
-            if model[0] not in self._frozen:
+            if model.bodies[0] not in self._frozen:
                 self._freeze(model, now)
             self._warn('{}: the physics has thrown it to infinity; it stays where it was at {:g} '
                        's; check its masses, inertias and springs, and reset the world'.format(
-                           model[0].name, saved_s))
+                           model.bodies[0].name, saved_s))
 
-    def _tried(self, models: Sequence[_Bodies], states: Dict[FramedBody, BodyState],
-               steps: int) -> List[_Bodies]:
+    def _tried(self, models: Sequence[ModelBodies], states: Dict[FramedBody, BodyState],
+               steps: int) -> List[ModelBodies]:
         """Freeze those of some models with which a state becomes large again; return them."""
-        found: List[_Bodies] = []
+        found: List[ModelBodies] = []
         for model in models:
             self._freeze(model, states)
         for model in models:
@@ -143,12 +141,13 @@ class Guard:
             if not all(map(_is_small, now.values())):
                 found.append(model)
                 self._restore(states, [each for each in self._models if any(
-                    body in now and not _is_small(now[body]) for body in each)])
+                    body in now and not _is_small(now[body]) for body in each.bodies)])
                 self._freeze(model, states)
             self._restore(states)
         return found
 
-    def _restore(self, states: Dict[FramedBody, BodyState], again: Iterable[_Bodies] = ()) -> None:
+    def _restore(self, states: Dict[FramedBody, BodyState],
+                 again: Iterable[ModelBodies] = ()) -> None:
         """Set states; again: models that are loaded again before."""
         self._load_again(again)
         for body in self._world.fixed:
@@ -157,27 +156,24 @@ class Guard:
         for body, state in states.items():
             body.restore(state.at_rest() if body in self._frozen else state)
 
-    def _freeze(self, model: _Bodies, states: Dict[FramedBody, BodyState]) -> None:
-        for body in model:
+    def _freeze(self, model: ModelBodies, states: Dict[FramedBody, BodyState]) -> None:
+        for body in model.bodies:
             if body in states:
                 body.restore(states[body].at_rest())
         self._world.load_again(model, freeze=True)
-        for body in model:
+        for body in model.bodies:
             self._frozen[body], body.fixed = body.fixed, True
             if body in states:
                 body.restore(states[body].at_rest())
 
-    def _thaw(self, model: _Bodies) -> None:
-        for body in model:
+    def _thaw(self, model: ModelBodies) -> None:
+        for body in model.bodies:
             body.fixed = self._frozen.pop(body)
         self._load_again([model])
 
-    def _load_again(self, models: Iterable[_Bodies]) -> None:
+    def _load_again(self, models: Iterable[ModelBodies]) -> None:
         for model in models:
-            self._world.load_again(model, freeze=model[0] in self._frozen)
-            for vehicle in self._vehicles:
-                if vehicle.robot in model:
-                    vehicle.drive.notify_stopped()
+            self._world.load_again(model, freeze=model.bodies[0] in self._frozen)
 
 
 def _moves(body: FramedBody) -> bool:

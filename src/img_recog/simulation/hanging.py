@@ -3,7 +3,7 @@ from typing import Callable, Dict, List, Sequence, Set
 
 from img_recog import rotations
 from img_recog.simulation.physics import contacts, tires
-from img_recog.simulation.vehicle import Vehicle
+from img_recog.simulation.simulated_model import Robot
 
 _LOOKS = 2              # in a row: at the start, a robot may still fall
 _UPRIGHT = 0.95         # vertical part of the z axis of a robot: 18 degrees
@@ -20,10 +20,10 @@ class HangingWheels:
         """Call after the robots were moved to their starts."""
         self._counts.clear()
 
-    def look(self, vehicles: Sequence[Vehicle], warn: Callable[[str], None]) -> None:
+    def look(self, robots: Sequence[Robot], warn: Callable[[str], None]) -> None:
         """Look at robots; warn: gets a line about each one."""
-        for vehicle in vehicles:
-            name, links = vehicle.robot.name, _standing_on(vehicle)
+        for robot in robots:
+            name, links = robot.body.name, _standing_on(robot)
             self._counts[name] = self._counts.get(name, 0) + 1 if links else 0
             if self._counts[name] == _LOOKS and name not in self._told:
                 self._told.add(name)
@@ -31,13 +31,13 @@ class HangingWheels:
                      'raise what it stands on'.format(name, ', '.join(links)))
 
 
-def _standing_on(vehicle: Vehicle) -> List[str]:
+def _standing_on(robot: Robot) -> List[str]:
     """Return the links on which a robot stands upright, if none of them is a driven wheel."""
-    robot, drive = vehicle.robot, vehicle.settings.drive
-    names = {index: tires.owner(name) for name, index in robot.link_indices.items()}
-    driven = {names[robot.joints[name]] for name in (*drive.left_joints, *drive.right_joints)
-              if name in robot.joints}
-    if not driven or rotations.matrix(robot.pose().orientation)[2, 2] < _UPRIGHT:
+    body, drive = robot.body, robot.settings.drive
+    names = {index: tires.owner(name) for name, index in body.link_indices.items()}
+    driven = {names[body.joints[name]] for name in (*drive.left_joints, *drive.right_joints)
+              if name in body.joints}
+    if not driven or rotations.matrix(body.pose().orientation)[2, 2] < _UPRIGHT:
         return []
-    touching = {names[point.link] for point in contacts.of(robot) if point.force > 0}
+    touching = {names[point.link] for point in contacts.of(body) if point.force > 0}
     return [] if touching & driven else sorted(touching)

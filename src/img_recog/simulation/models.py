@@ -1,53 +1,21 @@
 """The models of a simulation by name, like Gazebo's: read, set, added and removed."""
-from typing import Callable, Dict, Iterable, Iterator, List, Mapping, Optional, Sequence, Tuple
+from typing import Callable, Iterable, Iterator, List, Mapping, Sequence, Tuple, cast
 
 import numpy as np
 
 from img_recog import rotations
 from img_recog.errors import SimulationError, shortened
 from img_recog.model import Tree
-from img_recog.rotations import IDENTITY, Transform
-from img_recog.simulation.physics.body import Motion, BodyPose, motion_of_frame, relative
+from img_recog.rotations import Transform
+from img_recog.simulation.physics.body import relative
 from img_recog.simulation.physics.framed_body import FramedBody
-from img_recog.simulation.physics.world import FLOOR
+from img_recog.simulation.physics.model_bodies import ModelBodies
+from img_recog.simulation.simulated_model import SimulatedModel
 from img_recog.simulation.simulator import Simulator
 from img_recog.simulation.states import REST, State, check, in_world
-from img_recog.simulation.vehicle import Vehicle
 
 WORLD = 'world'
 LINK_SEPARATOR = '::'
-
-
-class _Model:
-    """The bodies of a model; its frame is fixed to the root link of the first one."""
-
-    def __init__(self, bodies: List[FramedBody], root: Transform = IDENTITY,
-                 vehicle: Optional[Vehicle] = None):
-        """root: the pose of that root link in the frame of the model."""
-        self.bodies, self.vehicle, self._root = bodies, vehicle, root
-
-    def motion(self) -> Motion:
-        """Return the motion of the frame of the model."""
-        root = self.bodies[0].motion()
-        turn = rotations.matrix(root.orientation)
-        pose = Transform(turn, root.position) @ self._root.inverse
-        return motion_of_frame(
-            (pose.translation.tolist(), rotations.quaternion_of(pose.rotation)),
-            root.position.tolist(), (turn @ root.linear).tolist(), (turn @ root.angular).tolist())
-
-    def place(self, pose: Transform, linear: np.ndarray, angular: np.ndarray) -> None:
-        """Move all bodies rigidly; pose, linear and angular: of the model in the world."""
-        motion = self.motion()
-        now = Transform(rotations.matrix(motion.orientation), motion.position)
-        for body in self.bodies:
-            old = body.pose()
-            new = pose @ now.inverse @ Transform(rotations.matrix(old.orientation),
-                                                 np.array(old.position))
-            body.place(BodyPose(new.translation.tolist(), rotations.quaternion_of(new.rotation),
-                                old.joints))
-            if not body.fixed:
-                arm = new.translation - pose.translation
-                body.set_velocity((linear + np.cross(angular, arm)).tolist(), angular.tolist())
 
 
 class Models:
@@ -55,51 +23,30 @@ class Models:
 
     def __init__(self, simulator: Simulator):
         self._simulator, self._world = simulator, simulator.world
-        world = simulator.world
-        self._models: Dict[str, _Model] = {}
-        self._floor = FLOOR.name if world.floor else ''
-        if world.floor:
-            self._models[FLOOR.name] = _Model([world.floor])
-        for model in _grouped(world.file.trees, world.bodies):
-            self._models[self._free_name(model.bodies[0].name)] = model
-        for vehicle in simulator.vehicles:
-            self.add_vehicle(vehicle)
 
-    def add_vehicle(self, vehicle: Vehicle) -> None:
-        """Make a robot a model, of the same name if that is free."""
-        self._models[self._free_name(vehicle.robot.name)] = _Model([vehicle.robot],
-                                                                   vehicle=vehicle)
-
-    def remove_vehicle(self, vehicle: Vehicle) -> None:
-        """Forget the model of a robot."""
-        self._models = {name: model for name, model in self._models.items()
-                        if model.vehicle is not vehicle}
-
-    def vehicle(self, name: str) -> Optional[Vehicle]:
-        """Return the robot that is the model of that name; None if there is none."""
-        return self._models[name].vehicle if name in self._models else None
-
-    def _free_name(self, name: str) -> str:
-        number, free = 0, name
-        while free in self._models:
-            free, number = '{}_{}'.format(name, number), number + 1
-        return free
+    def __contains__(self, name: str) -> bool:
+        return name in self.names
 
     @property
     def names(self) -> List[str]:
         """The names of all models."""
-        return list(self._models)
+        return [model.name for model in self._world.models]
 
     @property
     def bodies(self) -> Iterator[Tuple[str, FramedBody]]:
         """The bodies of all models, each with the name of its model."""
-        return ((name, body) for name, model in self._models.items() for body in model.bodies)
+        return ((model.name, body) for model in self._world.models for body in model.bodies)
+
+    def model(self, name: str) -> ModelBodies:
+        """Return the model of a name; SimulationError when there is no such model."""
+        for model in self._world.models:
+            if model.name == name:
+                return model
+        raise SimulationError('no model {!r} (models: {})'.format(name, ', '.join(self.names)))
 
     def bodies_of(self, name: str) -> Sequence[FramedBody]:
         """Return the bodies of a model; SimulationError when there is no such model."""
-        if name not in self._models:
-            raise SimulationError('no model {!r} (models: {})'.format(name, ', '.join(self.names)))
-        return self._models[name].bodies
+        return self.model(name).bodies
 
     def link(self, name: str) -> Tuple[FramedBody, str]:
         """Return the body and the link of the name MODEL::LINK or, like Gazebo, the first LINK.
@@ -124,7 +71,7 @@ class Models:
     def links(self, name: str) -> Iterator[Tuple[FramedBody, str]]:
         """Yield the body and the link for each one of the name MODEL::LINK or LINK."""
         # as in Gazebo, a name of a model means that
-        return iter(()) if name in self._models else self._parts(
+        return iter(()) if name in self else self._parts(
             name, lambda body: body.link_names)
 
     def joints(self, name: str) -> Iterator[Tuple[FramedBody, str]]:
@@ -144,13 +91,13 @@ class Models:
         Raises SimulationError when there is no such model, or a position is not finite.
         """
         check('joint_positions', list(positions.values()))
-        bodies = self.bodies_of(name)
+        model = self.model(name)
         for joint, position in positions.items():
             for body, found in self.joints(joint):
-                if body in bodies:
+                if body in model.bodies:
                     lower, upper = body.limits(found)[:2]
                     body.set_joint(body.first_axes[found], min(max(position, lower), upper))
-        self._simulator.notify_moved(bodies)
+        self._world.notify_moved(model)
 
     def state(self, name: str, frame: str = WORLD) -> State:
         """Return the state of a model or link relative to `frame`: the world, a model or a link.
@@ -175,16 +122,16 @@ class Models:
         state has a number that is not finite.
         """
         model, origin = self._model(name), self._frame(frame).pose()
-        if name.partition(LINK_SEPARATOR)[0] == self._floor:
+        if self._world.floor in model.bodies:
             raise SimulationError('model {} cannot be moved'.format(name))
         state.check()
-        model.place(origin @ state.pose(), origin.rotation @ state.linear,
-                    origin.rotation @ state.angular)
-        self._simulator.notify_moved(model.bodies)
+        model.move(origin @ state.pose(), origin.rotation @ state.linear,
+                   origin.rotation @ state.angular)
+        self._world.notify_moved(model)
 
     def add(self, name: str, trees: Sequence[Tree], state: State, frame: str = WORLD,
-            warn: Callable[[str], None] = lambda line: None) -> None:
-        """Add a model to the world.
+            warn: Callable[[str], None] = lambda line: None) -> SimulatedModel:
+        """Add a model to the world, and return it.
 
         trees: of the model, as they are when its file is the world; state: that the world of the
         file has in `frame`; warn: gets a line if the next step takes long,
@@ -192,17 +139,17 @@ class Models:
         Raises SimulationError when there is no such frame, a model has that name, the state is not
         allowed, PyBullet cannot load the model or the next step would take too long.
         """
-        if name in self._models:
+        if name in self:
             raise SimulationError('there is a model {} already'.format(name), 'give another name')
         pose = self.pose_in_world(state, frame)
         placed = [tree._replace(pose=pose @ tree.pose) for tree in trees]
-        count = len(self._world.bodies)
-        self._world.add(placed)
+        model, = self._world.load(placed)
+        model.name = name
         if self._world.crowded:     # before that step, which holds all threads
             warn('model {}: {}'.format(name, self._world.crowded))
         for line in self._world.warnings:
             warn('model ' + line)
-        self._models[name], = _grouped(placed, self._world.bodies[count:])
+        return cast(SimulatedModel, model)
 
     def pose_in_world(self, state: State, frame: str = WORLD) -> Transform:
         """Return the pose in the world that `state` has in a frame.
@@ -213,44 +160,33 @@ class Models:
         state.check()
         return origin @ state.pose()
 
-    def remove(self, name: str) -> None:
-        """Remove a model from the world; SimulationError if it is the floor or a robot."""
-        bodies = self.bodies_of(name)
-        if name == self._floor or self.vehicle(name) is not None:
+    def remove(self, name: str) -> SimulatedModel:
+        """Remove a model from the world, and return it; SimulationError if it is the floor."""
+        model = self.model(name)
+        if self._world.floor in model.bodies:
             raise SimulationError('model {} cannot be deleted'.format(name))
-        self._simulator.remove_bodies(bodies)
-        del self._models[name]
+        self._world.remove(model)
+        return cast(SimulatedModel, model)
 
-    def _model(self, name: str) -> _Model:
+    def _model(self, name: str) -> ModelBodies:
         """Return a model, or of MODEL::LINK what is joined to that link."""
         model_name, _, link = name.partition(LINK_SEPARATOR)
-        if name in self._models:        # that of a file may have a ::
+        if name in self:        # that of a file may have a ::
             model_name, link = name, ''
-        bodies = self.bodies_of(model_name)
+        model = self.model(model_name)
         if not link:
-            return self._models[model_name]
-        links = {body.root: body for body in bodies}
-        if link not in links:
+            return model
+        bodies = {body.root: body for body in model.bodies}
+        if link not in bodies:
             raise SimulationError('model {} has no link {!r} without a joint above it (such '
-                                  'links: {})'.format(model_name, link, ', '.join(links)))
-        return _Model([links[link]])
+                                  'links: {})'.format(model_name, link, ', '.join(bodies)))
+        return model.part(bodies[link])
 
     def _frame(self, name: str) -> State:
         return REST if name == WORLD else self._state_in_world(name)
 
     def _state_in_world(self, name: str) -> State:
-        if name in self._models:
-            return in_world(self._models[name].motion())
+        if name in self:
+            return in_world(self.model(name).motion())
         body, link = self.link(name)
         return in_world(body.motion(link))
-
-
-def _grouped(trees: Sequence[Tree], bodies: Sequence[FramedBody]) -> List[_Model]:
-    """Return the models of trees that were loaded as bodies."""
-    models: List[_Model] = []
-    for tree, body in zip(trees, bodies):
-        if tree.first:
-            models.append(_Model([body], tree.in_model))
-        else:
-            models[-1].bodies.append(body)
-    return models

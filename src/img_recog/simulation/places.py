@@ -9,7 +9,7 @@ from img_recog.settings import SettingError
 from img_recog.simulation.physics import standing
 from img_recog.simulation.physics.body import Body
 from img_recog.simulation.simulator import Simulator
-from img_recog.simulation.vehicle import Vehicle
+from img_recog.simulation.simulated_model import Robot
 
 _GRID_M = 0.25              # less than a wall and the clearance on both sides of it
 _CLEARANCE_M = 0.1          # to what stands in the world
@@ -18,16 +18,16 @@ _MAX_TRIED = 10000
 _MAX_CLIMB_M = 0.05         # from one point of the grid to the next
 
 
-def start_apart(simulator: Simulator, vehicle: Vehicle) -> None:
-    """Let a vehicle start at the free place nearest to its start, with the same z_pos and yaw.
+def start_apart(simulator: Simulator, robot: Robot) -> None:
+    """Let a robot start at the free place nearest to its start, with the same z_pos and yaw.
 
     It can drive there from its start around all that stands in the world.
     Raises SimulationError when there is no such place.
     """
-    start = vehicle.settings.spawn
-    robots = [each.robot for each in simulator.vehicles if each is not vehicle]
+    start = robot.settings.spawn
+    robots = [each.body for each in simulator.robots if each is not robot]
     # (distance to the start, column, row, height of the place before): the nearest first
-    waiting, known = [(0.0, 0, 0, vehicle.lift.height_m)], {(0, 0)}
+    waiting, known = [(0.0, 0, 0, robot.lift.height_m)], {(0, 0)}
     for _ in range(_MAX_TRIED):
         if not waiting:
             break
@@ -37,16 +37,16 @@ def start_apart(simulator: Simulator, vehicle: Vehicle) -> None:
                                         y_pos=start.y_pos + row * _GRID_M)
         except SettingError:        # too far away
             continue
-        vehicle.set_start(place)
-        climb_m = abs(vehicle.lift.height_m - height_m)
-        if climb_m > _MAX_CLIMB_M or _is_at_wall(vehicle.robot, simulator.world.bodies):
+        robot.set_start(place)
+        climb_m = abs(robot.lift.height_m - height_m)
+        if climb_m > _MAX_CLIMB_M or _is_at_wall(robot.body, simulator.world.scenery):
             continue
-        if not standing.is_near(vehicle.robot, robots, _ROBOT_CLEARANCE_M):
+        if not standing.is_near(robot.body, robots, _ROBOT_CLEARANCE_M):
             return
         for cell in ((column + 1, row), (column - 1, row), (column, row + 1), (column, row - 1)):
             if cell not in known:
                 known.add(cell)
-                heapq.heappush(waiting, (math.hypot(*cell), *cell, vehicle.lift.height_m))
+                heapq.heappush(waiting, (math.hypot(*cell), *cell, robot.lift.height_m))
     if len(known) == 1:
         raise SimulationError('x {:g} m, y {:g} m, where the search for a free place begins, is '
                               'too near to a wall'.format(start.x_pos, start.y_pos),

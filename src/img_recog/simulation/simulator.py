@@ -1,18 +1,17 @@
-"""World and vehicles, advanced together by whole steps."""
+"""A world with its robots and sensors, advanced together by whole steps."""
 from typing import Any, Callable, Collection, List, Optional, Sequence, Set
 
-from img_recog.simulation.carrier import Carrier, Reading
 from img_recog.simulation.guard import Guard
 from img_recog.simulation.hanging import HangingWheels
+from img_recog.simulation.mounted_sensors import MountedSensors, Reading
 from img_recog.simulation.physics import contacts
 from img_recog.simulation.physics.body import Body
-from img_recog.simulation.physics.framed_body import FramedBody
 from img_recog.simulation.physics.standing import MAX_DEPTH_M
 from img_recog.simulation.physics.world import World
 from img_recog.simulation.sensors import ray_sensor
 from img_recog.simulation.sensors.ray_sensor import RaySensor
 from img_recog.simulation.sensors.sensor import Sensor
-from img_recog.simulation.vehicle import Vehicle
+from img_recog.simulation.simulated_model import Robot, SimulatedModel
 
 
 _STEEP = 0.7        # vertical part of the normal of a contact: 45 degrees
@@ -22,67 +21,41 @@ _LOOK_STEPS = 1000      # between two looks for that
 
 
 class Simulator:
-    """Vehicles in a world.
+    """A world whose robots drive and whose sensors are read.
 
     Each step has a fixed order: the drives set the motors, the physics advances, and the sensors
     that are due are read. Time is the number of steps multiplied by the step.
 
-    after_step: is called after each step of the physics, if it is set; warn: gets a line about
-    each body that flies away or is frozen, and each robot whose wheels hang in the air.
+    Attributes:
+        world: World.
+        after_step: Called after each step of the physics, if it is set.
+        warn: Gets a line about each body that flies away or is frozen, and each robot whose
+            wheels hang in the air.
     """
 
-    def __init__(self, world: World, vehicles: Sequence[Vehicle] = ()):
+    def __init__(self, world: World):
         self.world = world
-        self._vehicles: List[Vehicle] = []
-        self._carriers: List[Carrier] = []
         self._steps = 0
         self.after_step: Optional[Callable[[], None]] = None
         self.warn: Callable[[str], None] = lambda line: None
         self._flying: Set[str] = set()
         self._hanging = HangingWheels()
-        self._guard = Guard(world, self._vehicles, lambda line: self.warn(line))
-        for vehicle in vehicles:
-            self.add(vehicle)
+        self._guard = Guard(world, lambda line: self.warn(line))
 
     @property
-    def vehicles(self) -> Sequence[Vehicle]:
-        """The vehicles in the order in which they were added."""
-        return self._vehicles
+    def models(self) -> List[SimulatedModel]:
+        """The models of the world that can have sensors: all but the floor."""
+        return [model for model in self.world.models if isinstance(model, SimulatedModel)]
 
     @property
-    def carriers(self) -> Sequence[Carrier]:
-        """The vehicles and the models with sensors."""
-        return self._carriers
+    def robots(self) -> List[Robot]:
+        """The models with a drive, in the order in which they were added."""
+        return [model for model in self.world.models if isinstance(model, Robot)]
 
-    def add(self, vehicle: Vehicle) -> List[str]:
-        """Add a vehicle that was loaded into the world; return warnings, a line each."""
-        self._vehicles.append(vehicle)
-        self._carriers.append(vehicle)
-        warnings = self.world.adopt([vehicle.robot])
-        self.world.notify_changed()
-        return warnings
-
-    def add_carrier(self, carrier: Carrier) -> None:
-        """Let the sensors of a model of the world be read."""
-        self._carriers.append(carrier)
-
-    def remove(self, vehicle: Vehicle) -> None:
-        """Remove a vehicle, also from the world."""
-        self._vehicles.remove(vehicle)
-        self._carriers.remove(vehicle)
-        self.world.remove([vehicle.robot])
-
-    def remove_bodies(self, bodies: Sequence[Body]) -> None:
-        """Remove bodies of the world, with their sensors."""
-        self._carriers = [each for each in self._carriers if each.robot not in bodies]
-        self.world.remove(bodies)
-
-    def notify_moved(self, bodies: Sequence[FramedBody]) -> None:
-        """Call after bodies were moved from outside."""
-        for carrier in self._carriers:
-            if carrier.robot in bodies:
-                carrier.notify_teleported()
-        self.world.notify_moved(bodies)
+    @property
+    def sensors(self) -> List[MountedSensors]:
+        """The sensors of all models."""
+        return [mounted for model in self.models for mounted in model.sensors]
 
     @property
     def steps(self) -> int:
@@ -96,7 +69,7 @@ class Simulator:
 
     def next_reading(self, kinds: Collection[str]) -> Optional[int]:
         """Return the next step at which a sensor of some kinds is read; None if there is none."""
-        found = (carrier.next_reading(self._steps, kinds) for carrier in self._carriers)
+        found = (mounted.next_reading(self._steps, kinds) for mounted in self.sensors)
         return min((step for step in found if step is not None), default=None)
 
     def advance(self, steps: int) -> List[Reading]:
@@ -104,11 +77,11 @@ class Simulator:
         readings: List[Reading] = []
         end = self._steps + steps
         self._guard.before_steps(self._steps)
+        active = [model for model in self.models if model.sensors]
         while self._steps < end:
-            for carrier in self._carriers:
-                carrier.before_step(self._steps)
-            stop = min((carrier.next_event(self._steps) for carrier in self._carriers),
-                       default=end)
+            for model in active:
+                model.before_step(self._steps)
+            stop = min((model.next_event(self._steps) for model in active), default=end)
             begin, stop = self._steps, min(stop, end)
             while self.after_step is not None and self._steps < stop:
                 self.world.step()
@@ -119,12 +92,12 @@ class Simulator:
             self._guard.look(stop)
             if stop // _LOOK_STEPS > begin // _LOOK_STEPS:
                 self._look_for_flights()
-                self._hanging.look(self._vehicles, self.warn)
-            readings.extend(self._read_sensors())
+                self._hanging.look(self.robots, self.warn)
+            readings.extend(self._read_sensors(active))
         return readings
 
     def _look_for_flights(self) -> None:
-        for body in (*self.world.bodies, *(vehicle.robot for vehicle in self.vehicles)):
+        for body in self.world.bodies:
             if body.fixed or body.name in self._flying:
                 continue
             speed = body.speed()
@@ -134,47 +107,43 @@ class Simulator:
                           'often because it was pushed into something that cannot give way; reset '
                           'the world or move it'.format(body.name, speed, self.time_s))
 
-    def _read_sensors(self) -> List[Reading]:
+    def _read_sensors(self, models: Sequence[SimulatedModel]) -> List[Reading]:
         """Return the readings of the sensors that are due now."""
-        due = [(carrier.robot.name, scheduled) for carrier in self._carriers
-               for scheduled in carrier.due_sensors(self._steps)]
+        due = [each for model in models for each in model.due(self._steps)]
         if not due:         # most often
             return []
         values = _read_together([scheduled.sensor for _, scheduled in due])
-        return [Reading(robot, scheduled.name, scheduled.kind, self.time_s, value)
-                for (robot, scheduled), value in zip(due, values)]
+        return [Reading(body, scheduled.name, scheduled.kind, self.time_s, value)
+                for (body, scheduled), value in zip(due, values)]
 
     def overlaps(self) -> List[str]:
         """Return which robots overlap with which bodies, as 'A in B', deeper than contacts do.
 
         Two robots are one line.
         """
-        pairs = {frozenset((vehicle.robot.name, name)): '{} in {}'.format(vehicle.robot.name, name)
-                 for vehicle in reversed(self.vehicles)
-                 for name in reversed(self.overlapped(vehicle.robot))}
+        pairs = {frozenset((robot.name, name)): '{} in {}'.format(robot.body.name, name)
+                 for robot in reversed(self.robots)
+                 for name in reversed(self.overlapped(robot.body))}
         return list(pairs.values())[::-1]
 
-    def overlapped(self, robot: Body) -> List[str]:
+    def overlapped(self, body: Body) -> List[str]:
         """Return the names of the bodies that a robot overlaps with, deeper than contacts do."""
-        bodies = [self.world.floor, *self.world.bodies,
-                  *(vehicle.robot for vehicle in self.vehicles)]
-        names = {body.body_id: body.name for body in bodies if body is not None}
-        deep = [names.get(contact.other, robot.name)
-                for contact in contacts.of(robot, detect=True) if contact.depth_m > MAX_DEPTH_M]
+        names = {each.body_id: each.name for model in self.world.models for each in model.bodies}
+        deep = [names.get(contact.other, body.name)
+                for contact in contacts.of(body, detect=True) if contact.depth_m > MAX_DEPTH_M]
         return list(dict.fromkeys(deep))
 
-    def touched(self, robot: Body) -> List[str]:
+    def touched(self, body: Body) -> List[str]:
         """Return the names of the bodies that touch a robot from the side.
 
         What it stands on does not.
         """
-        found = {contact.other for contact in contacts.of(robot)
-                 if contact.other != robot.body_id and contact.depth_m >= 0
+        found = {contact.other for contact in contacts.of(body)
+                 if contact.other != body.body_id and contact.depth_m >= 0
                  and abs(contact.up) < _STEEP}
         if not found:       # most often
             return []
-        return sorted(body.name for body in [*self.world.bodies, *(
-            vehicle.robot for vehicle in self.vehicles)] if body.body_id in found)
+        return sorted(each.name for each in self.world.bodies if each.body_id in found)
 
     def close(self) -> None:
         """End the physics; nothing of it can be used any more."""
@@ -186,8 +155,8 @@ class Simulator:
         self.world.reset()
         self._flying.clear()
         self._hanging.reset()
-        for carrier in self._carriers:
-            carrier.reset()
+        for model in self.models:
+            model.restart()
 
     def reset_simulation(self) -> None:
         """Do what `reset_world` does, set the time to 0 and let all noise begin anew.
@@ -197,8 +166,8 @@ class Simulator:
         """
         self.reset_world()
         self._steps = 0
-        for carrier in self._carriers:
-            carrier.restart_noise()
+        for model in self.models:
+            model.restart_noise()
 
 
 def _read_together(sensors: Sequence[Sensor]) -> List[Any]:

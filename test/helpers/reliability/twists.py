@@ -33,7 +33,7 @@ class _Check:
 
     def __init__(self, drive: DriveSettings):
         self._simulator = robots.simulator(drive=drive)
-        self._vehicle = self._simulator.vehicles[0]
+        self._robot = self._simulator.robots[0]
         self.accepted = self.refused = self.undecodable = 0
 
     def example(self, pool: List[float], rng: random.Random) -> None:
@@ -45,7 +45,7 @@ class _Check:
                 data = hostile.damaged(data, rng)
             self._message(data)
         self._simulator.advance(10)
-        motion = self._vehicle.robot.motion()
+        motion = self._robot.body.motion()
         for values in (motion.position, motion.orientation, motion.linear, motion.angular):
             assert np.isfinite(values).all(), motion
         # at most a little faster than the limit, when it slips or tilts
@@ -67,7 +67,7 @@ class _Check:
         else:
             assert all(map(math.isfinite, expected))
             assert (linear_x, angular_z) == (expected[0], expected[5])
-            self._vehicle.command(linear_x, angular_z)
+            self._robot.command(linear_x, angular_z)
             self.accepted += 1
 
 

@@ -65,13 +65,13 @@ def test_touches_between_two_images_are_counted(tmp_path):
     path = tmp_path / 'a.world'
     path.write_text(sdf.sdf(sdf.BUILT_IN, POST.format('pillar', 0.25, 'White')))
     simulator = assemble(str(path)).simulator
-    vehicle, = simulator.vehicles
+    robot, = simulator.robots
     judge = sweep_run.Judge(simulator, 'pillar', Success(0.01, collisions=9))
     for speed, steps in 2 * ((0.2, 1500), (-0.2, 1000)):
-        vehicle.command(speed, 0)
+        robot.command(speed, 0)
         simulator.advance(steps)
-    assert simulator.touched(vehicle.robot) == []
-    judge.on_frame(FrameResult(None, 4 * 10 ** 9, [], [], [], vehicle.robot.motion()))
+    assert simulator.touched(robot.body) == []
+    judge.on_frame(FrameResult(None, 4 * 10 ** 9, [], [], [], robot.body.motion()))
     assert (judge.result.collisions, judge.result.touched) == (2, 'pillar')
 
 

@@ -64,7 +64,7 @@ def run(tmp_path, monkeypatch, capsys, caplog, handlers_as_before):
      'warning: world my.file: not simulated: <projector> of model wall link l'),
     ('check_world.py', sdf(BUILT_IN, WALL, CHAIR), 1, 'check_world.py: error: something is left '
      'out of it; give --allow-partial-world here, and allow_partial_world:=true to the demo'),
-    ('check_world.py --allow-partial-world', sdf(BUILT_IN, WALL, CHAIR), 0,
+    ('check_world.py --allow-partial-world', sdf(BUILT_IN, WALL, CHAIR), 2,
      'warning: world my.file: loaded without: model://chair')])
 def test_the_exit_code_says_whether_it_can_be_used(run, tmp_path, program, text, code, line):
     """All that is printed is in test/expected/check_robot and check_world."""
@@ -72,6 +72,33 @@ def test_the_exit_code_says_whether_it_can_be_used(run, tmp_path, program, text,
     found, lines = run(*program.split(), 'my.file')
     assert found == code and [each for each in lines if each.startswith(line)], lines
     assert code != 1 or len([each for each in lines if 'error' in each]) == 1
+
+
+SENSOR = '<sensor name="s" type="{}">{}</sensor>'
+DRIVE = ('<plugin name="d" filename="libgazebo_ros_diff_drive.so"><leftJoint>a</leftJoint>'
+         '<rightJoint>b</rightJoint></plugin>')
+
+
+@pytest.mark.parametrize('inside, line', [
+    (SENSOR.format('gps', ''), 'not simulated, of model wall: sensor gps'),
+    (SENSOR.format('ray', '<ray><scan><horizontal><samples>x</samples></horizontal></scan></ray>'
+                   '<plugin name="p" filename="libgazebo_ros_laser.so"/>'),
+     "cannot use the robot in model wall: <ray/scan/horizontal/samples> of sensor s: got 'x', "
+     'expected a whole number; its sensors are not simulated'),
+    (SENSOR.format('camera', '<camera><horizontal_fov>wide</horizontal_fov></camera><plugin '
+                   'name="p" filename="libgazebo_ros_camera.so"/>'),
+     "cannot use the robot in model wall: <horizontal_fov> of sensor s: got 'wide', "
+     'expected 1 finite number; its sensors are not simulated'),
+    (DRIVE, 'cannot use the robot in model wall: the robot has no movable joint a (movable '
+     'joints: none); set left_joint to the joint of a wheel; its sensors and its drive are not '
+     'simulated')])
+def test_a_world_gets_the_same_warnings_from_both_programs(run, tmp_path, inside, line):
+    text = WALL.replace('</link>', inside + '</link>') if '<sensor' in inside else WALL.replace(
+        '</model>', inside + '</model>')
+    (tmp_path / 'my.sdf').write_text(sdf(BUILT_IN, text))
+    for words in (('check_world.py',), ('simulate.py', '--until', '0.01')):
+        code, lines = run(*words, 'my.sdf')
+        assert code == 2 and 'warning: ' + line in lines, lines
 
 
 @pytest.mark.parametrize('program, file', [('check_robot.py', 'turtlebot3_burger.urdf'),

@@ -56,7 +56,7 @@ def grid(rows, columns):
 @pytest.mark.parametrize('sampling', [1, 3])
 def test_the_heights_are_where_gazebo_has_them(hills, sampling):
     world = build(hills(inside='<sampling>{}</sampling>'.format(sampling)))
-    assert [body.name for body in world.bodies] == ['hills', 'hills::l::s']
+    assert [body.name for body in world.scenery] == ['hills', 'hills::l::s']
     found = heights(world, *grid(3, 5)).reshape(3, 5)
     assert found == pytest.approx(PIXELS / 200 * 2 + 1.5, abs=2e-3)
     if sampling == 3:       # between pixels, bilinear
@@ -96,7 +96,7 @@ def test_rays_of_sensors_meet_it(hills):
                    np.array([20.0]))
     assert world.solids.distances(down)[1]          # so they are PyBullet's
     assert footprints.footprints(world) == []
-    world.remove(world.bodies)
+    world.remove(world.models[-1])
     distances, has_others = world.solids.distances(down)
     assert not has_others and distances[0, 0] == np.inf
 

@@ -9,7 +9,7 @@ from img_recog.formats import markup, model_file, world_file
 from img_recog.formats.yaml_text import load_yaml
 from img_recog.loading import robot_file
 from img_recog.recognition import parameter_file
-from img_recog.simulation.robot_spec import read_robot
+from img_recog.simulation.configured_model import from_urdf
 from img_recog_helpers.parsed import lumped
 from img_recog_helpers.refusals import refusal
 from img_recog_helpers.robots import burger
@@ -55,7 +55,7 @@ def test_hostile_xml_is_one_line(text, words):
 def test_hostile_xml_is_one_line_wherever_it_is_read(tmp_path, name):
     text, words = HOSTILE_XML[name]
     assert words in refusal(lumped, text)
-    line = refusal(read_robot, text, 0.001, lambda uri: None, 'robot_description')
+    line = refusal(from_urdf, text, 0.001, lambda uri: None, 'robot_description')
     assert line.startswith('cannot use the robot in robot_description: ') and words in line
     for file in ('robot.world', 'robot.xacro'):
         (tmp_path / file).write_bytes(text.encode('utf-8', 'surrogatepass'))

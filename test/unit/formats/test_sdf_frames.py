@@ -117,7 +117,7 @@ def test_the_state_of_a_joint_is_that_of_its_links(tmp_path, kind, start, positi
                 STATE.format('').replace('</link>', '</link><link name="b"><pose>{}</pose></link>')
                 .format(start))
     world = World(PhysicsSettings(), file, connect())
-    body, = world.bodies
+    body, = world.scenery
     assert body.pose().joints == pytest.approx([position])
     world.step(100)
     world.reset()

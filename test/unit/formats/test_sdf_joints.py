@@ -12,7 +12,7 @@ ABOUT_Y = '<axis><xyz>0 1 0</xyz></axis>'
 
 def places(world):
     """Return where the centers of mass of the links of the first body are, by name."""
-    body, client = world.bodies[0].body_id, world.physics_client_id
+    body, client = world.scenery[0].body_id, world.physics_client_id
     found = {pybullet.getBodyInfo(body, physicsClientId=client)[0].decode():
              pybullet.getBasePositionAndOrientation(body, physicsClientId=client)[0]}
     for index in range(pybullet.getNumJoints(body, physicsClientId=client)):
@@ -27,10 +27,10 @@ def test_links_and_joints_of_the_same_names():
                  LINK.format('m', '3 0 3'), JOINT.format('b', 'revolute', 'a', 'b', ABOUT_Y),
                  JOINT.format('b', 'revolute', 'm::b', 'm', ABOUT_Y),
                  findings=['second link b of m'])
-    assert [body.name for body in world.bodies] == ['m']        # as in Gazebo
+    assert [body.name for body in world.scenery] == ['m']        # as in Gazebo
     assert {name: place.round(6).tolist() for name, place in places(world).items()} == {
         'a': [0, 0, 3], 'b': [1, 0, 3], 'm': [3, 0, 3]}
-    assert list(world.bodies[0].joints) == ['b', 'b_1']
+    assert list(world.scenery[0].joints) == ['b', 'b_1']
 
 
 def test_a_static_model_can_have_any_joints():
@@ -40,7 +40,7 @@ def test_a_static_model_can_have_any_joints():
     world = load('<static>1</static>', LINK.format('a', '0 0 3'), LINK.format('b', '1 0 3'),
                  joints)
     world.step(100)
-    body, = world.bodies
+    body, = world.scenery
     assert body.fixed and not body.joints
     assert places(world)['b'].tolist() == [1, 0, 3]
 
@@ -51,7 +51,7 @@ def test_joints_can_point_in_any_direction(ends, to_world):
     links = ''.join(LINK.format(name, '{} 0 3'.format(x)) for x, name in enumerate('abc'))
     world = load(links, JOINT.format('one', 'revolute', *ends[:2], ABOUT_Y), JOINT.format(
         'two', 'fixed', *ends[2:], ''), JOINT.format('w', 'fixed', *to_world, ''))
-    body, = world.bodies
+    body, = world.scenery
     world.step(100)
     found = places(world)
     assert body.fixed and found['c'] == pytest.approx([2, 0, 3])
@@ -67,7 +67,7 @@ def test_a_pendulum_on_a_joint_of_several_axes_swings_in_both_directions(kind, a
     world = load(LINK.format('a', '0 0 2'), JOINT.format(
         'j', kind, 'world', 'a', '<pose>0 0 1 0 0 0</pose><axis><xyz>1 0 0</xyz></axis><axis2>'
         '<xyz>0 1 0</xyz></axis2>'))
-    body, = world.bodies
+    body, = world.scenery
     assert list(body.joints) == ['j::axis_1', 'j::axis_2', 'j'][-axes:] if axes == 3 else [
         'j::axis_1', 'j']
     for x, y, joint in ((0, 1, 0), (-1, 0, 1)):

@@ -1,7 +1,7 @@
 """Shapes and materials of a URDF that are refused or not found; others: test_whole_models.py."""
 import pytest
 
-from img_recog.simulation.robot_spec import read_robot
+from img_recog.simulation.configured_model import from_urdf
 from img_recog_helpers.parsed import given
 from img_recog_helpers.refusals import refusal
 from img_recog_helpers.robots import assemble, burger
@@ -11,8 +11,8 @@ SCAN = '<link name="base_scan">'
 
 def test_an_unknown_material_is_a_warning():
     tag = '<gazebo reference="base_link"><material>Gazebo/Plaid</material></gazebo>'
-    found = read_robot(burger('').replace('</robot>', tag + '</robot>'), 0.001,
-                       lambda uri: None, 'robot.urdf')
+    found = from_urdf(burger('').replace('</robot>', tag + '</robot>'), 0.001,
+                      lambda uri: None, 'robot.urdf')
     assert found.warnings == (
         'robot.urdf: not known or not found, of its materials: material Gazebo/Plaid; those links '
         'keep their other color',)
@@ -23,7 +23,7 @@ def robot(inside):
 
 
 def read(inside):
-    read_robot(robot(inside), 0.001, lambda uri: '/a.stl', 'robot.urdf')
+    from_urdf(robot(inside), 0.001, lambda uri: '/a.stl', 'robot.urdf')
 
 
 @pytest.mark.parametrize('tag', ['visual', 'collision'])

@@ -6,7 +6,7 @@ from img_recog.formats import drive_controllers, drive_tags, urdf
 from img_recog.formats.yaml_text import load_yaml
 from img_recog.model import Tag
 from img_recog.settings import setting_fields
-from img_recog.simulation.robot_spec import settings_in_tag
+from img_recog.simulation.configured_model import settings_in_tag
 from img_recog.simulation.sensors import in_files
 from img_recog.simulation.sensors.sensor import sensors_of
 from img_recog_helpers import expected, printed

@@ -54,7 +54,7 @@ def test_empty_world_is_the_floor():
     file = world_file.read('empty', WORLDS)
     assert file == WorldFile('empty', (), (0.0, 0.0, -9.8), (), True, None)
     world = build(file)
-    assert world.bodies == [] and world.floor.name == 'ground_plane'
+    assert world.scenery == [] and world.floor.name == 'ground_plane'
     assert pybullet.getNumBodies(physicsClientId=world.physics_client_id) == 1
 
 
@@ -72,9 +72,9 @@ def test_urdf_by_path_stays_where_it_is(read):
                 '</inertial>{}</link></robot>'.format(box), 'hall.urdf')
     assert (file.name, file.warnings) == ('hall', ())
     world = build(file)
-    before = world.bodies[0].pose()
+    before = world.scenery[0].pose()
     world.step(500)
-    assert world.bodies[0].pose() == before
+    assert world.scenery[0].pose() == before
 
 
 def test_a_world_that_the_finder_finds(tmp_path):
@@ -89,15 +89,15 @@ def test_what_starts_in_the_floor_is_lifted_onto_it_at_rest(read):
             '4 0 0.097 0 0 0').replace('crate', 'high'),
         SHELF.replace('1 2 1 0 0 0', '1 2 0 0 0 0'))))
     assert world.lifted == {'crate': pytest.approx(0.1), 'low': pytest.approx(0.4)}
-    heights = [body.pose().position[2] for body in world.bodies]
+    heights = [body.pose().position[2] for body in world.scenery]
     assert heights == pytest.approx([0.1, 0.1, 0.097, 0.0], abs=1e-6)
     highest = 0.0
     for _ in range(200):
         world.step(5)
-        highest = max(highest, *(body.pose().position[2] for body in world.bodies))
+        highest = max(highest, *(body.pose().position[2] for body in world.scenery))
     assert highest < 0.105
     world.reset()
-    assert [body.pose().position[2] for body in world.bodies] == pytest.approx(heights)
+    assert [body.pose().position[2] for body in world.scenery] == pytest.approx(heights)
 
 
 def test_refuses_a_urdf_with_two_roots_which_would_crash_pybullet(read):
@@ -143,7 +143,7 @@ def test_missing_mesh_is_refused_and_by_request_its_collision_shape_is_seen(read
     assert seen.shape == Shape(BOX, (0.8, 0.8, 0.2))
     # for the physics, visuals would cost time and memory
     world = build(file)
-    loaded, = pybullet.getVisualShapeData(world.bodies[0].body_id,
+    loaded, = pybullet.getVisualShapeData(world.scenery[0].body_id,
                                           physicsClientId=world.physics_client_id)
     assert loaded[3] == (0, 0, 0)
 
@@ -255,13 +255,13 @@ def test_what_cannot_be_loaded_is_left_out_by_request(read, tmp_path):
         first=False), file.trees[1]))
     problems = Problems()
     world = World(PhysicsSettings(), file, connect(), problems)
-    assert [body.name for body in world.bodies] == ['shelf', 'crate']
+    assert [body.name for body in world.scenery] == ['shelf', 'crate']
     # the rest of the model is one
-    assert [tree.first for tree in world.file.trees] == [True, True]
+    assert [tree.first for tree in world.trees] == [True, True]
     model, mesh = problems.names
     assert model.startswith('model broken: PyBullet cannot load it as URDF (')
     assert mesh.startswith('cannot read the mesh {}: '.format(tmp_path / 'a.stl'))
-    low, high = extent(world.bodies[0])
+    low, high = extent(world.scenery[0])
     assert high - low == pytest.approx([0.8, 0.8, 0.2], abs=0.05)
     warning, = assembly.build(PhysicsSettings(allow_partial_world=True), file, []).warnings
     assert warning.startswith('world hall: loaded without: model broken: PyBullet')

@@ -48,22 +48,22 @@ def test_the_idle_teleop_sends_zeros_at_10_hz_before_the_frame_of_the_same_time(
 def test_the_robot_drives_as_the_simulator_does_with_the_same_commands():
     log, simulator = replayed(video((), (BLUE,), (), (RED,), ()))
     same = robots.simulator()
-    vehicle = same.vehicles[0]
+    robot = same.robots[0]
     same.advance(40)
-    vehicle.command(10.0, 0.0)
+    robot.command(10.0, 0.0)
     same.advance(80)
-    vehicle.command(-10.0, 0.0)
+    robot.command(-10.0, 0.0)
     same.advance(80)
     assert simulator.time_s == same.time_s
-    for got, wanted in zip(simulator.vehicles[0].robot.motion(), vehicle.robot.motion()):
+    for got, wanted in zip(simulator.robots[0].body.motion(), robot.body.motion()):
         assert tuple(got) == tuple(wanted)
     assert log.frames[3].motion.position[0] > log.frames[0].motion.position[0]
 
 
 def test_without_the_teleop_a_command_holds():
     short, long = (replayed(video((BLUE,), *[()] * count))[1] for count in (5, 20))
-    assert (short.vehicles[0].robot.motion().position[0] + 0.1
-            < long.vehicles[0].robot.motion().position[0])
+    assert (short.robots[0].body.motion().position[0] + 0.1
+            < long.robots[0].body.motion().position[0])
 
 
 def test_time_starts_at_the_first_stamp():

@@ -43,7 +43,7 @@ def replayed(start_ns=0, seen=PICTURE, **odometry):
     plot = PlotRecorder(settings.colors)
     simulator = robots.simulator('turtlebot3_world', -2.0, -0.5,
                                  odometry=robots.burgers('odometry', **odometry))
-    bag = BagRecorder(bag_file, settings.color_names, simulator.vehicles[0].settings.sensors)
+    bag = BagRecorder(bag_file, settings.color_names, simulator.robots[0].settings.sensors)
     recognition = ColorRecognition(settings)
     frames = (frame(number, start_ns + number * PERIOD_NS, *colors)
               for number, colors in enumerate(seen))

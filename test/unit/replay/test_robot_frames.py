@@ -49,7 +49,7 @@ def test_a_frame_shows_where_the_robot_is_at_its_time(field):
     frames = RobotFrames(built, SETTINGS, 1.0)
     frames.follow(lambda time_ns: built.simulator.advance(
         round(time_ns / 1e6) - round(built.simulator.time_s * 1000)))
-    built.simulator.vehicles[0].command(0.5, 0.0)
+    built.simulator.robots[0].command(0.5, 0.0)
     areas = [blue_px(frame.image) for frame in frames]
     assert areas[0] > 50 and areas[-1] > 1.2 * areas[0]
     turned = RobotFrames(assemble(field, yaw=math.pi), SETTINGS, 0.01)

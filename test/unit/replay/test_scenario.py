@@ -34,19 +34,19 @@ def build(path, world='empty', **spawn):
 def test_the_demos_robot_in_the_demos_world(caplog):
     simulator = build(resources.burger(), resources.DEFAULT_WORLD)
     assert caplog.messages == []
-    assert [body.name for body in simulator.world.bodies] == ['turtlebot3_world']
-    vehicle = simulator.vehicles[0]
-    assert vehicle.robot.motion().position[:2] == pytest.approx([-2.0, -0.5])
+    assert [body.name for body in simulator.world.scenery] == ['turtlebot3_world']
+    robot = simulator.robots[0]
+    assert robot.body.motion().position[:2] == pytest.approx([-2.0, -0.5])
     readings = simulator.advance(1000)
     assert {reading.sensor for reading in readings} == {'odometry', 'joint_states'}
-    assert simulator.vehicles[0].settings.drive.wheel_separation == 0.160
+    assert simulator.robots[0].settings.drive.wheel_separation == 0.160
 
 
 def test_gazebo_tags_are_settings_and_the_others_are_warned_of(robot_file, caplog):
     path = robot_file(robots.burger('').replace('</robot>', DRIVE))
-    vehicle = build(path, x_pos=1.0).vehicles[0]
-    assert vehicle.settings.drive.wheel_separation == 0.3
-    assert vehicle.robot.motion().position[0] == pytest.approx(1.0)
+    robot = build(path, x_pos=1.0).robots[0]
+    assert robot.settings.drive.wheel_separation == 0.3
+    assert robot.body.motion().position[0] == pytest.approx(1.0)
     unsupported, contradiction = caplog.messages
     assert path in unsupported and 'plugin liblamp.so' in unsupported
     assert path in contradiction and 'in the URDF it is 0.16 m' in contradiction

@@ -3,7 +3,7 @@
 import pytest
 
 from img_recog.conversions.sensor_table import SENSORS
-from img_recog.simulation.robot_spec import read_robot
+from img_recog.simulation.configured_model import from_urdf
 from img_recog.simulation.sensors.odometry import OdometrySettings
 from img_recog.simulation.simulation_settings import RobotSettings
 from img_recog_helpers import wheeled
@@ -54,8 +54,8 @@ def test_tags_of_links_that_are_not_there_are_not_used():
 def test_where_the_odometry_is_zero(odometry, origin):
     sim = assemble(x=1.0, y=2.0, yaw=0.5,
                    odometry=OdometrySettings(odometry_source=odometry)).simulator
-    sim.vehicles[0].move_to(3.0, 3.0, 0.0)
-    assert sim.vehicles[0].odometry_origin == origin
+    sim.robots[0].move_to(3.0, 3.0, 0.0)
+    assert sim.robots[0].odometry_origin == origin
 
 
 def test_default_settings_are_those_of_tags_and_else_the_defaults():
@@ -69,10 +69,11 @@ def test_default_settings_are_those_of_tags_and_else_the_defaults():
 
 def test_simulator_and_scene_of_the_world_and_the_robot():
     built = assemble('turtlebot3_world', x=-2.0, y=-0.5)
-    vehicle, = built.simulator.vehicles
-    assert vehicle.robot.motion().position == pytest.approx([-2.0, -0.5, 0.0], abs=1e-6)
-    assert [body.name for body in built.simulator.world.bodies] == ['turtlebot3_world']
-    assert [robot.name for robot in built.scene.robots] == ['turtlebot3_burger']
+    robot, = built.simulator.robots
+    assert robot.body.motion().position == pytest.approx([-2.0, -0.5, 0.0], abs=1e-6)
+    assert [body.name for body in built.simulator.world.scenery] == ['turtlebot3_world']
+    assert [tree.name for tree in built.scene.trees] == [
+        'turtlebot3_world', 'turtlebot3_burger']
     assert built.scene.world.name == 'turtlebot3_world'
     assert built.warnings == ()
 
@@ -83,9 +84,9 @@ def test_sensors_without_a_link_are_warned_of_unless_unused():
         'turtlebot3_burger runs without the sensor imu: no link torso',)
     assert assemble(urdf=urdf, unused_sensors=unused).warnings == ()
     simulator = assemble(urdf=urdf).simulator
-    vehicle, = simulator.vehicles
-    assert vehicle.missing_sensors == {'imu': 'torso'} and simulator.advance(400) == []
-    vehicle.set_sensor_enabled('imu', True)
+    robot, = simulator.robots
+    assert robot.missing_sensors == {'imu': 'torso'} and simulator.advance(400) == []
+    robot.set_sensor_enabled('imu', True)
     # those that have their links are disabled
     readings = assemble(unused_sensors=unused).simulator.advance(400)
     assert {reading.sensor for reading in readings} == {'odometry', 'joint_states'}
@@ -137,8 +138,8 @@ def test_the_controllers_of_a_robot_are_asked_for_once():
     def controllers(namespace):
         asked.append(namespace)
         return wheeled.controllers()
-    spec = read_robot(wheeled.robot(wheeled.plugin('gazebo_ros_control')), 0.001, lambda uri: None,
-                      'robot', SENSORS, controllers)
+    spec = from_urdf(wheeled.robot(wheeled.plugin('gazebo_ros_control')), 0.001, lambda uri: None,
+                     'robot', SENSORS, controllers)
     assert (spec.settings.drive.left_joint, asked) == ('left_0_joint', [''])
 
 

@@ -28,14 +28,14 @@ class Run:
         self.simulator = assemble(world).simulator
         self.lines = []
         self.simulator.warn = self.lines.append
-        self.bodies = {body.name: body for body in self.simulator.world.bodies}
-        self.robot = self.simulator.vehicles[0].robot
+        self.bodies = {body.name: body for body in self.simulator.world.scenery}
+        self.robot = self.simulator.robots[0].body
 
     def drive(self, seconds):
         """Return how far the robot gets, in m."""
         before = self.robot.pose().position[0]
         for _ in range(round(seconds * 20)):
-            self.simulator.vehicles[0].command(0.2, 0.0)
+            self.simulator.robots[0].command(0.2, 0.0)
             self.simulator.advance(50)
         for body in (self.robot, self.simulator.world.floor, *self.bodies.values()):
             assert all(map(math.isfinite, body.pose().position)), body.name

@@ -70,7 +70,7 @@ def test_state_in_the_world():
     assert state.linear == close(REST) and state.angular == close(REST)
     assert models.state('ground_plane').position == close(REST)
     assert models.state('ground_plane::link').position == close(REST)
-    sim.vehicles[0].command(0.2, 0.0)
+    sim.robots[0].command(0.2, 0.0)
     sim.advance(2000)
     assert models.state(ROBOT).linear == pytest.approx([0, 0.2, 0], abs=0.01)
 
@@ -96,19 +96,19 @@ def test_state_seen_from_a_turned_model():
 
 def test_set_state_in_the_world_with_a_velocity():
     sim = simulator('turtlebot3_world', x=-2.0, y=-0.5)
-    sim.vehicles[0].command(0.2, 0.1)
+    sim.robots[0].command(0.2, 0.1)
     sim.advance(500)
     models = Models(sim)
     wanted = State((0.5, -0.6, 0.1), LEFT, (0.1, -0.2, 0.3), (0.4, -0.5, 0.6))
-    turned = sim.vehicles[0].robot.wheel_positions()
+    turned = sim.robots[0].body.wheel_positions()
     models.set_state(ROBOT, wanted)
     for got, value in zip(models.state(ROBOT), wanted):
         assert got == close(value)
-    motion = sim.vehicles[0].robot.motion()
+    motion = sim.robots[0].body.motion()
     assert motion.linear == close([-0.2, -0.1, 0.3])        # in the robot's own axes
     # wheel odometry knows nothing of being carried elsewhere
     assert min(turned) > 0.1
-    assert sim.vehicles[0].robot.wheel_positions() == close(turned)
+    assert sim.robots[0].body.wheel_positions() == close(turned)
     models.set_state(ROBOT, wanted._replace(linear=REST, angular=REST))
     assert models.state(ROBOT).linear == close(REST)
     assert models.state(ROBOT).angular == close(REST)
@@ -140,9 +140,9 @@ def test_orientation_of_any_length_is_a_rotation(factor):
 def teleported(sim, name=ROBOT):
     """Drive at 0.5 m/s and stop, while the robot is elsewhere."""
     models = Models(sim)
-    sim.vehicles[0].command(0.5, 0.0)
+    sim.robots[0].command(0.5, 0.0)
     sim.advance(1000)
-    sim.vehicles[0].command(0.0, 0.0)
+    sim.robots[0].command(0.0, 0.0)
     models.set_state(name, State((4.0, 5.0, 0.0), LEFT, REST, REST))
     return sim
 
@@ -179,7 +179,7 @@ def test_static_model_is_moved_until_the_world_is_reset():
     assert models.state('shelf').position == close((3.0, 0.0, 0.1))
     # what was moved once is drawn where it is: nothing has to be read again
     assert ahead(sim) == close(2.9) and world.revision == revision + 1
-    shelf, = world.bodies
+    shelf, = world.scenery
     assert Parts(sim).moving[-len(shelf.links):] == (True,) * len(shelf.links)
 
 
@@ -191,18 +191,18 @@ def test_model_with_loose_links_is_one_model_that_moves_rigidly():
     assert models.names == ['ground_plane', 'pair', ROBOT]
     assert models.state('pair').position == close((1, 0, 0))
     models.set_state('pair', State((5.0, 0.0, 1.0), LEFT, (1.0, 0.0, 0.0), (0.0, 0.0, 1.0)))
-    a, b = (body.motion() for body in sim.world.bodies)
+    a, b = (body.motion() for body in sim.world.scenery)
     assert a.position == close((4, 0, 2)) and b.position == close((6, 0, 2))
     assert models.state('pair').orientation == close(LEFT)
     assert models.state('pair').linear == close((1, 0, 0))
     # in their own frames, which are turned to the left; the model turns about its origin
     assert a.linear == close((-1, -1, 0)) and b.linear == close((1, -1, 0))
     models.set_state('pair::b', State((0.0, 0.0, 3.0), UPRIGHT, (1.0, 0.0, 0.0), REST), 'pair::a')
-    a, b = (body.motion() for body in sim.world.bodies)
+    a, b = (body.motion() for body in sim.world.scenery)
     assert a.position == close((4, 0, 2)) and b.position == close((4, 0, 5))
     assert b.linear == close((1, 0, 0))
     models.remove('pair')
-    assert models.names == ['ground_plane', ROBOT] and sim.world.bodies == []
+    assert models.names == ['ground_plane', ROBOT] and sim.world.scenery == []
 
 
 BALL = '<sdf version="1.6">{}</sdf>'.format(
@@ -234,7 +234,7 @@ def test_added_model_is_simulated_seen_and_removed():
     sim.reset_world()
     assert models.state('ball').position == close((2, 1, 0.5))
     models.remove('ball')
-    assert models.names == ['ground_plane', ROBOT] and sim.world.file.trees == ()
+    assert models.names == ['ground_plane', ROBOT] and sim.world.scenery == []
     assert ahead(sim) == 0.0        # nothing is hit
     sim.advance(100)
     assert models.state(ROBOT).position == pytest.approx([0, 0, 0], abs=0.02)
@@ -257,7 +257,7 @@ def test_refused_model_is_not_added(name, state, frame, words):
     models, revision = Models(sim), sim.world.revision
     assert words in refusal(models.add, name, model_file.read(BALL, name, nowhere), state, frame)
     assert models.names == ['ground_plane', ROBOT] and sim.world.revision == revision
-    assert sim.world.bodies == []
+    assert sim.world.scenery == []
 
 
 def test_model_that_pybullet_cannot_load_leaves_nothing(tmp_path):
@@ -272,12 +272,14 @@ def test_model_that_pybullet_cannot_load_leaves_nothing(tmp_path):
     assert pybullet.getNumBodies(physicsClientId=sim.world.physics_client_id) == bodies
 
 
-@pytest.mark.parametrize('name', ['ground_plane', ROBOT])
-def test_floor_and_robot_cannot_be_deleted(name):
-    models = Models(simulator())
-    assert 'model {} cannot be deleted'.format(name) in refusal(models.remove, name)
-    assert models.names == ['ground_plane', ROBOT]
+def test_a_robot_can_be_deleted_and_the_floor_cannot():
+    sim = simulator()
+    models = Models(sim)
+    assert 'model ground_plane cannot be deleted' in refusal(models.remove, 'ground_plane')
     assert "no model 'r2d2' (models: ground_plane, " in refusal(models.remove, 'r2d2')
+    assert models.names == ['ground_plane', ROBOT]
+    assert models.remove(ROBOT).name == ROBOT
+    assert models.names == ['ground_plane'] and sim.robots == [] and sim.advance(10) == []
 
 
 @pytest.mark.parametrize('name, state, frame, words', [

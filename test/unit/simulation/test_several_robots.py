@@ -30,11 +30,11 @@ def several(places, world='turtlebot3_world', **groups):
 
 def drive(sim, numbers):
     """Drive robots, each another order of COMMANDS; return all that is measured, by robot."""
-    measured = {vehicle.robot.name: [] for vehicle in sim.vehicles}
+    measured = {robot.body.name: [] for robot in sim.robots}
     for turn in range(len(COMMANDS)):
-        for vehicle, number in zip(sim.vehicles, numbers):
+        for robot, number in zip(sim.robots, numbers):
             linear, angular = COMMANDS[(turn + number) % len(COMMANDS)]
-            vehicle.command(linear / 20, angular)
+            robot.command(linear / 20, angular)
         for reading in sim.advance(300):
             if reading.sensor == 'odometry':
                 value = (reading.value.position.tobytes(), reading.value.orientation,
@@ -101,11 +101,11 @@ def test_scanners_of_different_numbers_of_rays_are_read_together():
 
 def test_one_pushes_the_other():
     sim = several([(0.0, 0.0, 0.0), (0.3, 0.0, math.pi / 2)], 'empty')
-    pusher, pushed = sim.vehicles
+    pusher, pushed = sim.robots
     pusher.command(0.2, 0.0)
     sim.advance(4000)
-    assert pushed.robot.motion().position[0] > 0.4
-    gap = pushed.robot.motion().position[0] - pusher.robot.motion().position[0]
+    assert pushed.body.motion().position[0] > 0.4
+    gap = pushed.body.motion().position[0] - pusher.body.motion().position[0]
     assert 0.1 < gap < 0.3
 
 
@@ -115,18 +115,18 @@ def test_places_are_free_and_inside_of_the_walls():
         assembly.add_robot_apart(sim, spec('tb3_{}'.format(number), -2.0, -0.5, 0.3,
                                            has_place=False))
     assert sim.overlaps() == []
-    found = np.array([vehicle.robot.motion().position[:2] for vehicle in sim.vehicles])
+    found = np.array([robot.body.motion().position[:2] for robot in sim.robots])
     assert found[0] == pytest.approx([-2.0, -0.5], abs=1e-6)
     assert np.hypot(*found.T).max() < 2.7       # the radius of the wall
     between = np.hypot(*(found[:, None] - found).transpose(2, 0, 1)) + 9 * np.eye(16)
     assert between.min() >= 0.4
-    assert all(vehicle.robot.motion().yaw == pytest.approx(0.3) for vehicle in sim.vehicles)
-    places = [vehicle.settings.spawn for vehicle in sim.vehicles]
+    assert all(robot.body.motion().yaw == pytest.approx(0.3) for robot in sim.robots)
+    places = [robot.settings.spawn for robot in sim.robots]
     sim.advance(100)
     sim.reset_world()
     assert [(place.x_pos, place.y_pos) for place in places] == [
-        pytest.approx(tuple(vehicle.robot.motion().position[:2]), abs=1e-6)
-        for vehicle in sim.vehicles]
+        pytest.approx(tuple(robot.body.motion().position[:2]), abs=1e-6)
+        for robot in sim.robots]
 
 
 def test_no_place_is_refused_and_leaves_nothing():
@@ -138,7 +138,7 @@ def test_no_place_is_refused_and_leaves_nothing():
     count = pybullet.getNumBodies(physicsClientId=sim.world.physics_client_id)
     assert refusal(assembly.add_robot_apart, sim, spec('b', 0.0, 0.0, has_place=False)).startswith(
         'cannot use the robot in b: there is no free place for it near x 0 m, y 0 m')
-    assert len(sim.vehicles) == 1
+    assert len(sim.robots) == 1
     assert pybullet.getNumBodies(physicsClientId=sim.world.physics_client_id) == count
 
 
@@ -146,7 +146,7 @@ def test_a_search_that_begins_in_a_wall_is_refused():
     sim = several([])
     assert 'x 0 m, y 0.1 m, where the search for a free place begins, is too near to a wall' in (
         refusal(assembly.add_robot_apart, sim, spec('a', 0.0, 0.1, has_place=False)))
-    assert sim.vehicles == []
+    assert sim.robots == []
 
 
 # 0.25 m is too near to another one, beyond 1000 m is no place, and a step of 0.08 m is too high
@@ -162,7 +162,7 @@ def test_places_are_the_nearest_in_all_directions(world, start, offsets):
     sim = several([], world)
     for number in range(len(offsets)):
         assembly.add_robot_apart(sim, spec(str(number), *start, has_place=False))
-    spawns = [each.settings.spawn for each in sim.vehicles]
+    spawns = [each.settings.spawn for each in sim.robots]
     assert [(each.x_pos - start[0], each.y_pos - start[1]) for each in spawns] == offsets
 
 
@@ -172,7 +172,7 @@ def test_a_given_place_inside_of_something_is_refused(place, other):
     assembly.add_robot_apart(sim, spec('a', -2.0, -0.5))
     assert 'would start inside of ' + other in refusal(
         assembly.add_robot_apart, sim, spec('b', *place))
-    assert [vehicle.robot.name for vehicle in sim.vehicles] == ['a']
+    assert [robot.body.name for robot in sim.robots] == ['a']
 
 
 def test_a_robot_that_fails_leaves_nothing():
@@ -183,20 +183,20 @@ def test_a_robot_that_fails_leaves_nothing():
         robot = spec('b', 1.0, 1.0, urdf=urdf, scan=burgers('scan', scan_range_min=nearest))
         assert refusal(assembly.add_robot, sim, robot).startswith('cannot use the robot in b: ')
     assert pybullet.getNumBodies(physicsClientId=sim.world.physics_client_id) == count
-    assert len(sim.vehicles) == 1 and sim.world.revision == revision
+    assert len(sim.robots) == 1 and sim.world.revision == revision
 
 
 def test_a_robot_that_is_removed_is_gone_and_the_others_go_on():
     sim = several([(0.0, 0.0, 0.0), (1.0, 0.0, 0.0)], 'empty')
-    first, second = sim.vehicles
+    first, second = sim.robots
     second.command(0.2, 0.0)
     sim.advance(1000)
     revision = sim.world.revision
-    sim.remove(first)
-    assert sim.world.revision > revision and sim.vehicles == [second]
+    sim.world.remove(first)
+    assert sim.world.revision > revision and sim.robots == [second]
     readings = sim.advance(1000)
     assert {each.robot for each in readings} == {'tb3_1'}
-    assert second.robot.motion().position[0] > 1.3
+    assert second.body.motion().position[0] > 1.3
     behind = [each.value for each in readings if each.sensor == 'scan'][-1][180]
     assert np.isinf(behind)
 
@@ -205,11 +205,11 @@ def test_the_scan_shows_a_robot_that_replaced_another_with_the_same_id():
     sim = several([(0.0, 0.0, 0.0), (1.0, 0.0, 0.0)], 'empty',
                   scan=burgers('scan', scan_noise=0.0))
     before = scans(sim)['tb3_0'][0]
-    old, revision = sim.vehicles[1].robot.body_id, sim.world.revision
-    sim.remove(sim.vehicles[1])
+    old, revision = sim.robots[1].body.body_id, sim.world.revision
+    sim.world.remove(sim.robots[1])
     without_scanner = burger().replace('radius="0.055"', 'radius="0.01"')
     assembly.add_robot(sim, spec('tb3_1', 1.0, 0.0, urdf=without_scanner))
-    assert sim.vehicles[1].robot.body_id == old and sim.world.revision == revision + 2
+    assert sim.robots[1].body.body_id == old and sim.world.revision == revision + 2
     assert scans(sim)['tb3_0'][0] == pytest.approx(before + 0.045, abs=0.003)
 
 

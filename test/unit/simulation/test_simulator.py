@@ -16,9 +16,9 @@ SENSORS = ('odometry', 'joint_states', 'imu', 'scan')
 def test_stands_still():
     sim = simulator()
     sim.advance(1000)
-    before = sim.vehicles[0].robot.motion()
+    before = sim.robots[0].body.motion()
     sim.advance(6000)
-    after = sim.vehicles[0].robot.motion()
+    after = sim.robots[0].body.motion()
     # not 1 mm and 0.1 degrees in a minute
     assert np.linalg.norm(after.position - before.position) < 0.001 / 10
     assert abs(after.yaw - before.yaw) < math.radians(0.1 / 10)
@@ -27,8 +27,8 @@ def test_stands_still():
 @pytest.mark.parametrize('yaw, speed', [(0.0, 0.22), (2.0, 0.22), (math.pi / 2, -0.22)])
 def test_drives_straight_and_its_wheels_turn_as_far(yaw, speed):
     sim = simulator(yaw=yaw)
-    robot = sim.vehicles[0].robot
-    sim.vehicles[0].command(speed, 0.0)
+    robot = sim.robots[0].body
+    sim.robots[0].command(speed, 0.0)
     sim.advance(1000)
     before, turned = robot.motion(), robot.wheel_positions()
     sim.advance(4000)
@@ -48,12 +48,12 @@ def test_drives_straight_and_its_wheels_turn_as_far(yaw, speed):
 def test_at_the_speed_of_the_article_it_stays_on_its_wheels():
     # the command is 10 m/s: its wheels turn with more than 300 rad/s
     sim = simulator()
-    sim.vehicles[0].command(10.0, 0.0)
+    sim.robots[0].command(10.0, 0.0)
     for second in range(1, 12):
         sim.advance(1000)
-        motion = sim.vehicles[0].robot.motion()
+        motion = sim.robots[0].body.motion()
         assert abs(motion.position[2]) < 0.002
-        velocities = sim.vehicles[0].robot.joint_states().velocities
+        velocities = sim.robots[0].body.joint_states().velocities
         assert velocities == pytest.approx([min(second, 10) / 0.033] * 2, rel=0.02)
     assert np.linalg.norm(motion.linear) > 4
 
@@ -74,14 +74,14 @@ def drive_with(switches, cut=10):
     Returns the motion after each piece, to the bit, and the readings.
     """
     sim = simulator('turtlebot3_world', x=-2.0, y=-0.5)
-    vehicle, places, readings = sim.vehicles[0], [], []
+    robot, places, readings = sim.robots[0], [], []
     for quarter, command in enumerate(((0.2, 0.0), (10.0, 0.4), (-10.0, 0.0), (0.0, 2.0))):
-        vehicle.command(*command)
+        robot.command(*command)
         for sensor, on in switches.get(quarter, {}).items():
-            vehicle.set_sensor_enabled(sensor, on)
+            robot.set_sensor_enabled(sensor, on)
         for _ in range(500 // cut):
             readings.extend(sim.advance(cut))
-            motion = vehicle.robot.motion()
+            motion = robot.body.motion()
             places.append((motion.position.tobytes(), motion.orientation,
                            motion.linear.tobytes(), motion.angular.tobytes()))
     return places, readings
@@ -129,11 +129,11 @@ def test_noise_of_a_reading_does_not_depend_on_when_the_sensor_was_enabled(quart
 def test_imu_that_is_enabled_again_measures_no_acceleration_of_what_it_missed():
     sim = simulator()
     sim.advance(1000)
-    sim.vehicles[0].set_sensor_enabled('imu', False)
-    sim.vehicles[0].command(0.5, 0.0)
+    sim.robots[0].set_sensor_enabled('imu', False)
+    sim.robots[0].command(0.5, 0.0)
     sim.advance(1000)
-    assert sim.vehicles[0].robot.motion().linear[0] > 0.4
-    sim.vehicles[0].set_sensor_enabled('imu', True)
+    assert sim.robots[0].body.motion().linear[0] > 0.4
+    sim.robots[0].set_sensor_enabled('imu', True)
     values = [value for _, value in seen_by('imu', sim.advance(20))]
     assert len(values) == 4
     assert np.abs([value.linear_acceleration[0] for value in values]).max() < 1.0
@@ -153,10 +153,10 @@ def test_refusals(settings, words):
 
 def test_what_touches_the_robot_from_the_side_is_named():
     sim = simulator('turtlebot3_world', x=-2.0, y=-0.5)
-    robot = sim.vehicles[0].robot
+    robot = sim.robots[0].body
     sim.advance(100)
     assert sim.touched(robot) == []         # it stands on the floor
-    sim.vehicles[0].command(-0.5, 0.0)
+    sim.robots[0].command(-0.5, 0.0)
     sim.advance(2000)
     assert sim.touched(robot) == ['turtlebot3_world']
     sim.close()

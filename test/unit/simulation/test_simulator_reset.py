@@ -10,47 +10,47 @@ from img_recog_helpers.robots import burgers, simulator
 
 def test_reset_world_keeps_time_and_forgets_the_command():
     sim = simulator(x=-2.0)
-    sim.vehicles[0].command(1.0, 0.5)
+    sim.robots[0].command(1.0, 0.5)
     sim.advance(2000)
     revision = sim.world.revision
     sim.reset_world()
     assert sim.world.revision == revision       # nothing to be drawn anew
-    assert sim.vehicles[0].robot.motion().position == pytest.approx([-2.0, 0.0, 0.0], abs=1e-6)
+    assert sim.robots[0].body.motion().position == pytest.approx([-2.0, 0.0, 0.0], abs=1e-6)
     assert sim.time_s == pytest.approx(2.0)
     sim.advance(1000)
-    assert sim.vehicles[0].robot.motion().position == pytest.approx([-2.0, 0.0, 0.0], abs=1e-3)
+    assert sim.robots[0].body.motion().position == pytest.approx([-2.0, 0.0, 0.0], abs=1e-3)
 
 
 def test_a_robot_that_is_moved_stands_where_it_was_put():
     sim = simulator(x=-2.0)
-    vehicle = sim.vehicles[0]
-    vehicle.command(0.5, 1.0)
+    robot = sim.robots[0]
+    robot.command(0.5, 1.0)
     sim.advance(1000)
-    vehicle.move_to(1.0, -0.5, 2.0)
-    assert vehicle.robot.motion().position == pytest.approx([1.0, -0.5, 0.0], abs=1e-6)
+    robot.move_to(1.0, -0.5, 2.0)
+    assert robot.body.motion().position == pytest.approx([1.0, -0.5, 0.0], abs=1e-6)
     sim.advance(1)          # before the drive is due
-    assert vehicle.robot.wheel_velocities() == pytest.approx((0.0, 0.0), abs=0.5)
+    assert robot.body.wheel_velocities() == pytest.approx((0.0, 0.0), abs=0.5)
     sim.advance(1000)
-    motion = vehicle.robot.motion()
+    motion = robot.body.motion()
     assert motion.position == pytest.approx([1.0, -0.5, 0.0], abs=0.005)
     assert motion.yaw == pytest.approx(2.0, abs=0.02)
-    vehicle.command(0.2, 0.0)
+    robot.command(0.2, 0.0)
     sim.advance(2000)
-    moved = vehicle.robot.motion().position - motion.position
+    moved = robot.body.motion().position - motion.position
     assert moved[:2] == pytest.approx([0.38 * math.cos(2.0), 0.38 * math.sin(2.0)], abs=0.03)
     sim.reset_world()       # its start is still the first one
-    assert vehicle.robot.motion().position == pytest.approx([-2.0, 0.0, 0.0], abs=1e-6)
+    assert robot.body.motion().position == pytest.approx([-2.0, 0.0, 0.0], abs=1e-6)
 
 
 def test_reset_of_the_robot_stops_its_wheels():
     sim = simulator()
-    robot = sim.vehicles[0].robot
-    sim.vehicles[0].command(0.2, 0.0)
+    robot = sim.robots[0].body
+    sim.robots[0].command(0.2, 0.0)
     sim.advance(2000)
     assert min(robot.wheel_positions()) > 1.0
     robot.reset()
     assert robot.wheel_positions() == robot.wheel_velocities() == (0.0, 0.0)
-    # without the vehicle, which sets the velocity of the motors in each step
+    # without the robot, which sets the velocity of the motors in each step
     for _ in range(500):
         pybullet.stepSimulation(physicsClientId=robot.physics_client_id)
     assert robot.wheel_positions() == pytest.approx((0.0, 0.0), abs=0.01)
@@ -59,7 +59,7 @@ def test_reset_of_the_robot_stops_its_wheels():
 @pytest.mark.parametrize('reset', ['reset_world', 'reset_simulation'])
 def test_reset_puts_the_bodies_of_the_world_back(reset):
     sim = simulator(sdf.sdf(sdf.body('crate', '1 2 0.5 0 0 0.3', sdf.box(0.1, 0.1, 0.1))))
-    crate = sim.world.bodies[0]
+    crate = sim.world.scenery[0]
     before = crate.motion()
     sim.advance(200)
     assert crate.motion().position[2] < 0.4 and crate.motion().linear[2] < -1
@@ -76,18 +76,18 @@ def test_after_a_reset_all_moves_and_is_measured_as_before():
         sdf.box(0.2, 0.2, 0.1)) for number in range(8)]
     sim = simulator(sdf.sdf(sdf.BUILT_IN, *crates), scan=burgers('scan', scan_noise=0.01),
                     imu=burgers('imu', gyro_noise=0.01, accel_noise=0.1))
-    bodies = [sim.vehicles[0].robot, *sim.world.bodies]
+    bodies = [sim.robots[0].body, *sim.world.scenery]
 
     def drive():
-        sim.vehicles[0].command(0.2, 0.5)
+        sim.robots[0].command(0.2, 0.5)
         values = [each.value for each in sim.advance(2000) if each.kind in ('imu', 'scan')]
         return [body.pose() for body in bodies], repr(values)
     first = drive()
     sim.reset_simulation()
     assert drive() == first
-    sim.vehicles[0].set_sensor_enabled('imu', False)
+    sim.robots[0].set_sensor_enabled('imu', False)
     sim.advance(107)        # at another phase of the drive and of the sensors
-    sim.vehicles[0].set_sensor_enabled('imu', True)
+    sim.robots[0].set_sensor_enabled('imu', True)
     sim.reset_simulation()
     assert drive() == first
     sim.reset_world()       # only the noise goes on, as it does in Gazebo
@@ -100,7 +100,7 @@ def test_after_a_reset_all_moves_and_is_measured_as_before():
 
 def test_reset_simulation_sets_the_time_to_zero():
     sim = simulator()
-    sim.vehicles[0].command(1.0, 0.0)
+    sim.robots[0].command(1.0, 0.0)
     sim.advance(1000)
     sim.reset_simulation()
     assert sim.time_s == 0.0
@@ -113,11 +113,11 @@ def test_noise_after_a_reset_does_not_depend_on_whether_the_sensor_was_enabled_b
     def measured(is_enabled):
         sim = simulator()
         sim.advance(100)
-        sim.vehicles[0].set_sensor_enabled('imu', is_enabled)
+        sim.robots[0].set_sensor_enabled('imu', is_enabled)
         sim.advance(200)
         sim.reset_simulation()
         sim.advance(200)
-        sim.vehicles[0].set_sensor_enabled('imu', True)
+        sim.robots[0].set_sensor_enabled('imu', True)
         return [each.value.angular_velocity for each in sim.advance(20)
                 if each.sensor == 'imu']
     assert measured(False) == measured(True) and len(measured(True)) == 4

@@ -163,7 +163,7 @@ def test_the_radius_of_a_mesh_is_measured_about_the_axis_of_its_joint(
     built = wheeled.assembled(wheeled.robot(
         wheeled.plugin('gazebo_ros_diff_drive', **DIFF_DRIVE, **tags), shape=shape),
         find_mesh=lambda uri: str(path))
-    drive = built.simulator.vehicles[0].settings.drive
+    drive = built.simulator.robots[0].settings.drive
     assert (drive.wheel_diameter, drive.wheel_separation) == (diameter, 0.4)
     assert [line for line in built.warnings if 'wheel_' in line] == lines
 

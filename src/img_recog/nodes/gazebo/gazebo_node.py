@@ -111,17 +111,18 @@ class Gazebo:
             self._robots.scale_timeouts(timeout_scale(physics.real_time_factor))
         self._waiting = Waiting(self._simulator, self._images, self._robots, self._lockstep)
         frame, origin = WORLD_FRAME, PlanePose(0.0, 0.0, 0.0)
-        of_world = self._simulator.carriers[0 if single is None else 1:]
+        of_world = self._simulator.models
         if single is None:
             RobotUpdates(self._robots, reader, self._calls)
         else:
-            vehicle = self._simulator.vehicles[0]
-            self._robots.connect(vehicle, single)
-            frame, origin = vehicle.odometry.odom_frame, PlanePose(*vehicle.odometry_origin)
+            robot = self._simulator.robots[0]       # before those of the file of the world
+            of_world.remove(robot)
+            self._robots.connect(robot)
+            frame, origin = robot.odometry.odom_frame, PlanePose(*robot.odometry_origin)
             if self._lockstep is not None:
-                self._lockstep.check(vehicle.sensor_kinds)
-        for carrier in of_world:
-            self._robots.connect_model(carrier)
+                self._lockstep.check(robot.sensor_kinds)
+        for model in of_world:
+            self._robots.connect_of_file(model)
         if self._lockstep is not None:
             self._lockstep.subscribe()
         self._reconfigurable = Reconfigurable(
@@ -141,12 +142,12 @@ class Gazebo:
         self._diagnostics = SimulationDiagnostics(self._pace, self._calls)
         self._robots.use_diagnostics(NodeDiagnostics('simulation', 'none', self._report))
         if single is None:
-            rospy.loginfo('simulating %d robots in world %s', len(self._simulator.vehicles),
+            rospy.loginfo('simulating %d robots in world %s', len(self._simulator.robots),
                           physics.world)
         else:
             rospy.loginfo('simulating %.4f kg with root link %s in world %s',
-                          vehicle.robot.mass(), vehicle.robot.root, physics.world)
-            self._robots.log_start(single.name)
+                          robot.body.mass(), robot.body.root, physics.world)
+            self._robots.log_start(robot)
         # last: who finds ~step takes it that all topics are there, like img_recog.testing
         self._stepping = Stepping(self._calls, self._simulator, self._pace)
 

@@ -11,11 +11,10 @@ from img_recog.errors import UserError
 from img_recog.nodes.gazebo.camera_topics import CameraTopics, optical_transform
 from img_recog.nodes.gazebo.image_process import ImageProcess
 from img_recog.nodes.gazebo.lockstep import Lockstep
-from img_recog.simulation.names import Names
 from img_recog.nodes.gazebo.static_transforms import StaticTransforms
 from img_recog.nodes.gazebo.view_topic import ViewTopic
 from img_recog.rendering.server import Picture, Shot
-from img_recog.simulation.carrier import Carrier, Reading
+from img_recog.simulation.mounted_sensors import MountedSensors, Reading
 from img_recog.simulation.pictures import visual_scene
 from img_recog.simulation.pictures.scene import poses_of, scene_of
 from img_recog.simulation.pictures.view import above
@@ -55,50 +54,50 @@ class Images:
                                      self._parts.poses(), [self._view.camera],
                                      _NICENESS if lockstep is None else 0)
         # by the names of robot and sensor
-        self._cameras: Dict[Tuple[str, str], Tuple[Carrier, CameraTopics]] = {}
+        self._cameras: Dict[Tuple[str, str], Tuple[MountedSensors, CameraTopics]] = {}
         self._last_poses, self._last_poses_s = self._parts.poses(), -1.0
         self._is_view_due = False
         self._exposures = 0         # how often cameras have read; those that are read together
         self._drawn = self._published = 0       # of these, by the thread that publishes
 
-    def add_cameras(self, vehicle: Carrier, names: Names) -> None:
-        """Draw the cameras of a robot; publish where those are that its URDF does not have.
+    def add_cameras(self, mounted: MountedSensors) -> None:
+        """Draw the cameras of a model; publish where those are that its URDF does not have.
 
         Raises a UserError when their parameters cannot be used; nothing has changed then.
         """
-        if not vehicle.cameras:
+        if not mounted.cameras:
             return
-        cameras = [camera.settings for camera in vehicle.cameras.values()]
-        seen = [names.seen(each) for each in cameras]
+        cameras = [camera.settings for camera in mounted.cameras.values()]
+        seen = [mounted.spec.names.seen(each) for each in cameras]
         try:
-            for (sensor, camera), each in zip(vehicle.cameras.items(), seen):
+            for (sensor, camera), each in zip(mounted.cameras.items(), seen):
                 camera.poses = self._poses
-                self._cameras[vehicle.robot.name, sensor] = vehicle, CameraTopics(
+                self._cameras[mounted.body.name, sensor] = mounted, CameraTopics(
                     each, self._lockstep.redelivery if self._lockstep else None)
         except UserError:
-            self.remove_cameras(vehicle)
+            self.remove_cameras(mounted)
             raise
         self._process.set_cameras([self._view.camera, *(
             topics.camera for _, topics in self._cameras.values())])
         for each in cameras:
-            warning = robot_camera.warning_about_frame(vehicle.robot, each)
+            warning = robot_camera.warning_about_frame(mounted.body, each)
             if warning:
                 rospy.logwarn('%s', warning)
         frames: Dict[str, CameraSettings] = {}
         for each, named in zip(cameras, seen):
-            if not vehicle.robot.has_frame(each.camera_optical_frame):
+            if not mounted.body.has_frame(each.camera_optical_frame):
                 # of a stereo pair, both images have the frame of the left one
                 frames.setdefault(named.camera_optical_frame, named)
-        self._statics.set('cameras of ' + vehicle.robot.name,
+        self._statics.set('cameras of ' + mounted.body.name,
                           [optical_transform(named) for named in frames.values()])
 
-    def remove_cameras(self, vehicle: Carrier) -> None:
-        """End the images of a robot's cameras."""
+    def remove_cameras(self, mounted: MountedSensors) -> None:
+        """End the images of the cameras of a model."""
         for key, (owner, topics) in list(self._cameras.items()):
-            if owner is vehicle:
+            if owner is mounted:
                 topics.close()
                 del self._cameras[key]
-        self._statics.remove('cameras of ' + vehicle.robot.name)
+        self._statics.remove('cameras of ' + mounted.body.name)
 
     def _poses(self) -> np.ndarray:
         """Return the poses of all parts, read once for all cameras that are read together."""
@@ -126,11 +125,11 @@ class Images:
     def enable_cameras(self) -> None:
         """Enable the cameras that are used; to be called before each simulated period."""
         self._last_poses_s = -1.0       # since then, anything may have been moved
-        for (_, sensor), (vehicle, topics) in self._cameras.items():
+        for (_, sensor), (mounted, topics) in self._cameras.items():
             is_wanted = topics.is_wanted()
             if is_wanted:
                 self._process.start()
-            vehicle.set_sensor_enabled(sensor, is_wanted and self._process.is_ready)
+            mounted.set_enabled(sensor, is_wanted and self._process.is_ready)
 
     def is_loading(self) -> bool:
         """Return whether a camera that is mounted or used cannot be drawn yet; starts to load."""

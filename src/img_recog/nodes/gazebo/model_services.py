@@ -147,9 +147,7 @@ class ModelServices:
             name, request.model_xml, request.robot_namespace.strip('/'), self._start(pose)))
 
     def _add(self, name: str, trees: Sequence[Tree], state: State, frame: str) -> None:
-        count = len(self._simulator.world.bodies)
-        self._models.add(name, trees, state, frame, rospy.logwarn)
-        self._robots.add_sensors(count)
+        self._robots.add_sensors(self._models.add(name, trees, state, frame, rospy.logwarn))
 
     @staticmethod
     def _start(pose: Transform) -> SpawnSettings:
@@ -162,17 +160,9 @@ class ModelServices:
         return SpawnSettings(x_pos=x, y_pos=y, z_pos=z, yaw=yaw)
 
     def _delete(self, request: Any) -> Response:
-        self._calls.call(partial(self._remove, request.model_name))
+        self._calls.call(partial(self._robots.remove, request.model_name))
         rospy.loginfo('deleted the model %s', request.model_name)
         return {}
-
-    def _remove(self, name: str) -> None:
-        vehicle = self._models.vehicle(name)
-        if vehicle is None:
-            self._models.remove(name)
-            self._robots.remove_sensors()
-        else:
-            self._robots.remove(vehicle.robot.name)
 
     def _describe_world(self, _: Any) -> Response:
         names, time_s = self._calls.call(lambda: (self._models.names, self._simulator.time_s))

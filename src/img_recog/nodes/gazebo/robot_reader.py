@@ -15,9 +15,9 @@ from img_recog.model import Tree
 from img_recog.nodes.gazebo import controllers
 from img_recog.ros import parameters
 from img_recog.settings import ParameterError, Settings, setting, setting_fields, unknown
-from img_recog.simulation import robot_spec
+from img_recog.simulation import configured_model
 from img_recog.simulation.names import Names, topic_fields
-from img_recog.simulation.robot_spec import RobotSpec
+from img_recog.simulation.configured_model import ConfiguredModel
 from img_recog.simulation.simulation_settings import (CameraSettings, DriveSettings, NoiseSettings,
                                                       SpawnSettings)
 
@@ -47,7 +47,7 @@ class RobotReader:
         """step_s: of the physics."""
         self._step_s = step_s
 
-    def single(self) -> RobotSpec:
+    def single(self) -> ConfiguredModel:
         """Return the robot in robot_description and the private parameters."""
         return self._read('', parameters.robot_description(), 'robot_description', Names(),
                           _NO_NAMESPACE)
@@ -72,7 +72,7 @@ class RobotReader:
                 parameters.value(name + '/robot_description'),
                 parameters.value(name + '/tf_prefix'))
 
-    def named(self, name: str) -> RobotSpec:
+    def named(self, name: str) -> ConfiguredModel:
         """Return a robot of ~robots.
 
         Its URDF is NAME/robot_description, or robot_description; the private parameters hold
@@ -112,7 +112,8 @@ class RobotReader:
         except SimulationError:
             return False        # a model that is read otherwise, or refused
 
-    def spawned(self, name: str, urdf: str, namespace: str, spawn: SpawnSettings) -> RobotSpec:
+    def spawned(self, name: str, urdf: str, namespace: str,
+                spawn: SpawnSettings) -> ConfiguredModel:
         """Return a robot that a service adds at a place.
 
         Raises a UserError naming what is wrong.
@@ -122,13 +123,13 @@ class RobotReader:
                           names_of(namespace, namespace) if namespace else Names(), _NO_NAMESPACE)
         return spec.with_own_noise().changed(spawn=spawn)
 
-    def spawned_sdf(self, tree: Tree, namespace: str) -> RobotSpec:
+    def spawned_sdf(self, tree: Tree, namespace: str) -> ConfiguredModel:
         """Return a robot of an SDF that a service adds; errors as for `spawned`."""
         _check_namespace(namespace)
-        return in_namespace(robot_spec.read_model(tree, self._step_s, SENSORS), namespace)
+        return in_namespace(configured_model.from_sdf(tree, self._step_s, SENSORS), namespace)
 
     def _read(self, name: str, urdf: str, source: str, names: Names,
-              namespace: str) -> RobotSpec:
+              namespace: str) -> ConfiguredModel:
         """name: '' for that in the URDF; namespace: of its own parameters, '' for none."""
         spaces = namespace or '~', '~'
         spec = assemble.robot_of(
@@ -146,7 +147,7 @@ class RobotReader:
         return spec.renamed(name) if name else spec
 
 
-def in_namespace(spec: RobotSpec, namespace: str = '') -> RobotSpec:
+def in_namespace(spec: ConfiguredModel, namespace: str = '') -> ConfiguredModel:
     """Return a model of an SDF that drives, or has sensors, with the names that others see.
 
     namespace: of its topics, by default that of its first plugin.

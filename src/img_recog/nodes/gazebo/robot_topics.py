@@ -15,11 +15,10 @@ from img_recog.nodes.gazebo.simulation_diagnostics import CommandCounts
 from img_recog.ros.log.throttle import Throttle, ThrottledWarning
 from img_recog.ros.queues import LatestValue
 from img_recog.ros.transport.direct_publisher import DirectPublisher
-from img_recog.simulation.carrier import Carrier, Reading
-from img_recog.simulation.robot_spec import RobotSpec
+from img_recog.simulation.mounted_sensors import MountedSensors, Reading
 from img_recog.simulation.sensors.motion_state import MotionState
 from img_recog.simulation.sensors.sensor import SensorKind
-from img_recog.simulation.vehicle import Vehicle
+from img_recog.simulation.simulated_model import Robot
 
 _LOG_PERIOD_S = 0.1             # minimum between two lines about the motion
 _WORLD_FRAMES = ('', 'world')
@@ -77,14 +76,14 @@ class SensorTopics:
 
     _always_read: Set[str] = set()
 
-    def __init__(self, carrier: Carrier, spec: RobotSpec, lockstep: Optional[Lockstep] = None):
-        """Advertise; spec: with the names that others see; lockstep: waits for answers."""
-        self.carrier, self.spec = carrier, spec
-        names, settings = spec.names, carrier.settings.sensors
+    def __init__(self, mounted: MountedSensors, lockstep: Optional[Lockstep] = None):
+        """Advertise; lockstep: waits for answers."""
+        self._mounted, self.spec = mounted, mounted.spec
+        names, settings = self.spec.names, mounted.settings.sensors
         self._publishers: Dict[str, DirectPublisher] = {}
         self._outputs: Dict[str, _Output] = {}
-        for each in carrier.sensors:
-            if each.kind.is_drawn or each.name in carrier.missing_sensors:
+        for each in self.spec.sensors:
+            if each.kind.is_drawn or each.name in mounted.missing:
                 continue
             topic = names.topic(each.kind.topic(settings[each.name]))
             is_answered = lockstep is not None and each.kind.name in lockstep.kinds
@@ -101,8 +100,7 @@ class SensorTopics:
         """Disable the sensors that have no subscriber."""
         for sensor, output in self._outputs.items():
             if sensor not in self._always_read:
-                self.carrier.set_sensor_enabled(
-                    sensor, output.publisher.get_num_connections() > 0)
+                self._mounted.set_enabled(sensor, output.publisher.get_num_connections() > 0)
 
     def publish(self, readings: Sequence[Reading]) -> None:
         """Publish readings of the sensors, in order of time."""
@@ -123,7 +121,7 @@ class SensorTopics:
 
 
 class RobotTopics(SensorTopics):
-    """Passes commands and poses to a vehicle, and publishes its readings.
+    """Passes commands and poses to a robot, and publishes its readings.
 
     The poses of ~set_pose, or ~NAMESPACE/set_pose, are in the world or in the frame of the
     odometry.
@@ -131,31 +129,32 @@ class RobotTopics(SensorTopics):
 
     _always_read = {'odometry'}         # it is also for tf and the log
 
-    def __init__(self, vehicle: Vehicle, spec: RobotSpec, transforms: Transforms,
-                 calls: ServiceCalls, lockstep: Optional[Lockstep] = None):
+    def __init__(self, robot: Robot, transforms: Transforms, calls: ServiceCalls,
+                 lockstep: Optional[Lockstep] = None):
         """Advertise and subscribe; transforms: publishes the pose.
 
         lockstep: waits for answers, which commands may be.
         """
-        super().__init__(vehicle, spec, lockstep)
-        self.vehicle, self._calls, names = vehicle, calls, spec.names
+        mounted, = robot.sensors
+        super().__init__(mounted, lockstep)
+        self.robot, self._calls, names = robot, calls, self.spec.names
         self._is_lockstep = lockstep is not None
         self._counts = CommandCounts()
         self._motion_state, self._log_throttle = MotionState(), Throttle(_LOG_PERIOD_S)
         self._warn = ThrottledWarning()
-        self._command_topic = names.topic(vehicle.settings.drive.command_topic)
+        self._command_topic = names.topic(robot.settings.drive.command_topic)
         self._commands = LatestValue()
         self._timed_out = False
         self._transforms = transforms
-        self._transform = TransformStamped(child_frame_id=names.frame(vehicle.odometry.base_frame))
+        self._transform = TransformStamped(child_frame_id=names.frame(robot.odometry.base_frame))
         self._pose_topic = rospy.resolve_name('~' + names.topic('set_pose'))
-        self._odom_frame = names.frame(vehicle.odometry.odom_frame)
+        self._odom_frame = names.frame(robot.odometry.odom_frame)
         self._warn_of_pose = ThrottledWarning()
         self._is_closed = False
-        command_type = TwistStamped if vehicle.settings.drive.stamped_commands else Twist
+        command_type = TwistStamped if robot.settings.drive.stamped_commands else Twist
         self._subscribers = [rospy.Subscriber(self._pose_topic, PoseStamped, self._set_pose,
                                               queue_size=1, tcp_nodelay=True)]
-        if vehicle.settings.drive.is_there:
+        if robot.settings.drive.is_there:
             self._subscribers.append(
                 lockstep.subscribe_commands(self._command_topic, command_type, self._keep_command)
                 if lockstep is not None else
@@ -186,18 +185,18 @@ class RobotTopics(SensorTopics):
     def _move(self, pose: PlanePose, is_in_odometry: bool) -> None:
         if not self._is_closed:
             self.discard_command()
-            origin = PlanePose(*self.vehicle.odometry_origin)
-            self.vehicle.move_to(*(origin.compose(pose) if is_in_odometry else pose))
+            origin = PlanePose(*self.robot.odometry_origin)
+            self.robot.move_to(*(origin.compose(pose) if is_in_odometry else pose))
 
     def apply_command(self) -> None:
         """Apply the newest command."""
         self._log_timeout()
         command = self._commands.take()
         if command is not None:
-            self.vehicle.command(*command)
+            self.robot.command(*command)
 
     def publish(self, readings: Sequence[Reading]) -> None:
-        """Publish readings of the sensors of the vehicle, in order of time."""
+        """Publish readings of the sensors of the robot, in order of time."""
         super().publish(readings)
         self._counts.readings.add(len(readings))
 
@@ -209,13 +208,13 @@ class RobotTopics(SensorTopics):
         msg = super()._add(reading)
         if is_pose:
             self._log_motion_change(reading)
-            if self.vehicle.odometry.publish_odom_tf:
+            if self.robot.odometry.publish_odom_tf:
                 self._transforms.add(robot_msgs.transform_of(msg, self._transform))
         return msg
 
     def report(self, status: DiagnosticStatusWrapper) -> None:
         """Add the counters to a status; to be called once in each period."""
-        drive = self.vehicle.drive
+        drive = self.robot.drive
         self._counts.report(status, drive.timeout_s, drive.timed_out)
 
     def discard_command(self) -> None:
@@ -223,10 +222,10 @@ class RobotTopics(SensorTopics):
         self._commands.take()
 
     def _log_timeout(self) -> None:
-        timed_out = self.vehicle.drive.timed_out
+        timed_out = self.robot.drive.timed_out
         if timed_out and not self._timed_out:
             rospy.logwarn('no command on %s for %g s of simulated time: %s is stopped',
-                          self._command_topic, self.vehicle.drive.timeout_s,
+                          self._command_topic, self.robot.drive.timeout_s,
                           self.spec.names.words)
         self._timed_out = timed_out
 

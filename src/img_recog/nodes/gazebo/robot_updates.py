@@ -10,7 +10,7 @@ from img_recog.errors import UserError, one_line
 from img_recog.nodes.gazebo.physics_services import ServiceCalls
 from img_recog.nodes.gazebo.robot_reader import RobotReader
 from img_recog.nodes.gazebo.robots import Robots
-from img_recog.simulation.robot_spec import RobotSpec
+from img_recog.simulation.configured_model import ConfiguredModel
 
 
 class RobotUpdates:
@@ -63,7 +63,7 @@ class RobotUpdates:
         spec = self._reader.named(name)      # before the one of that name is removed
         call(lambda: self._replace(spec, snapshot))
 
-    def _replace(self, spec: RobotSpec, snapshot: Tuple[Any, ...]) -> None:
+    def _replace(self, spec: ConfiguredModel, snapshot: Tuple[Any, ...]) -> None:
         """Add a robot; like `_remove` in what simulates, so that a late call is complete too."""
         if spec.name in self._made:
             self._remove(spec.name)

@@ -19,11 +19,11 @@ from img_recog.nodes.gazebo.robot_topics import RobotTopics, SensorTopics, Trans
 from img_recog.nodes.gazebo.static_transforms import StaticTransforms
 from img_recog.ros.diagnostics import NodeDiagnostics
 from img_recog.simulation import assembly
-from img_recog.simulation.carrier import Carrier, Reading
+from img_recog.simulation.configured_model import ConfiguredModel
 from img_recog.simulation.models import Models
-from img_recog.simulation.robot_spec import RobotSpec
+from img_recog.simulation.mounted_sensors import MountedSensors, Reading
+from img_recog.simulation.simulated_model import Robot, SimulatedModel
 from img_recog.simulation.simulator import Simulator
-from img_recog.simulation.vehicle import Vehicle
 
 WORLD_FRAME = 'world'
 
@@ -44,114 +44,107 @@ class Robots:
         self._diagnostics: Optional[NodeDiagnostics] = None
         self._transforms = Transforms()
         self._timeout_scale = 1.0
-        self._robots: Dict[str, RobotTopics] = {}
-        self._sensors: Dict[str, SensorTopics] = {}     # of models that do not drive
+        self._topics: Dict[str, SensorTopics] = {}      # by the names of bodies
 
-    def add(self, spec: RobotSpec) -> None:
+    def add(self, spec: ConfiguredModel) -> None:
         """Add a robot, apart from the others and the walls, and log its warnings.
 
         Raises a UserError when that cannot be; nothing has changed then.
         """
-        if spec.name in self._models.names:
+        if spec.name in self._models:
             raise SimulationError('there is a model {} already'.format(spec.name),
                                   'give another name')
         self._check_namespace(spec)
         warnings = assembly.add_robot_apart(self._simulator, spec)
-        vehicle = self._simulator.vehicles[-1]
+        robot = self._simulator.robots[-1]
         try:
-            self.connect(vehicle, spec)
+            self.connect(robot)
         except UserError:
-            self._simulator.remove(vehicle)
+            self._simulator.world.remove(robot)
             raise
-        self._models.add_vehicle(vehicle)
         for warning in (*spec.warnings, *warnings):
             rospy.logwarn('%s: %s', spec.names.words, warning)
         rospy.loginfo('added %s: %.4f kg with root link %s', spec.names.words,
-                      vehicle.robot.mass(), vehicle.robot.root)
-        self.log_start(spec.name)
+                      robot.body.mass(), robot.body.root)
+        self.log_start(robot)
 
-    def _check_namespace(self, spec: RobotSpec) -> None:
+    def add_sensors(self, model: SimulatedModel) -> None:
+        """Add the sensors that the file of a model has, with their topics."""
+        for warning in assembly.add_sensors(self._simulator.world, model, SENSORS):
+            rospy.logwarn('%s', warning)
+        self.connect_of_file(model)
+
+    def _check_namespace(self, spec: ConfiguredModel) -> None:
         if spec.names.namespace in self.namespaces():
             raise SimulationError('there is a robot with the namespace {!r} already'.format(
                 spec.names.namespace), 'give it another robot_namespace')
 
-    def log_start(self, name: str) -> None:
+    def log_start(self, robot: Robot) -> None:
         """Log where a robot starts."""
-        robot = self._robots[name]
-        spawn = robot.vehicle.settings.spawn
+        spawn = robot.settings.spawn
         rospy.loginfo('%s is at the start: x %.2f m, y %.2f m, yaw %.2f rad',
                       robot.spec.names.words, spawn.x_pos, spawn.y_pos, spawn.yaw)
 
-    def connect(self, carrier: Carrier, spec: RobotSpec) -> None:
-        """Give a robot of the simulator, or a model with sensors, its topics.
+    def connect(self, model: SimulatedModel) -> None:
+        """Give the sensors of a model their topics, and a robot those of its drive.
 
-        spec: with the names that others see. Raises a UserError when two sensors have the same
-        topic, or those of its cameras cannot be used.
+        Raises a UserError when two sensors have the same topic, or those of its cameras cannot be
+        used.
         """
-        check_topics(spec, [each.spec for each in self._all()], rospy.resolve_name)
-        self._images.add_cameras(carrier, spec.names)
-        name = carrier.robot.name
-        if not isinstance(carrier, Vehicle):
-            self._sensors[name] = SensorTopics(carrier, spec)
+        for mounted in model.sensors:
+            self._connect(model, mounted)
+
+    def _connect(self, model: SimulatedModel, mounted: MountedSensors) -> None:
+        spec, name = mounted.spec, mounted.body.name
+        check_topics(spec, [each.spec for each in self._topics.values()], rospy.resolve_name)
+        self._images.add_cameras(mounted)
+        if not isinstance(model, Robot):
+            self._topics[name] = SensorTopics(mounted)
             return
-        carrier.drive.scale_timeout(self._timeout_scale)
-        self._robots[name] = RobotTopics(carrier, spec, self._transforms, self._calls,
-                                         self._lockstep)
-        odometry = carrier.odometry
+        model.drive.scale_timeout(self._timeout_scale)
+        self._topics[name] = RobotTopics(model, self._transforms, self._calls, self._lockstep)
+        odometry = model.odometry
         if self._world_tf and spec.names.namespace and odometry.publish_odom_tf:
             self._statics.set('world of ' + name, [_transform(
-                PlanePose(*carrier.odometry_origin), WORLD_FRAME,
+                PlanePose(*model.odometry_origin), WORLD_FRAME,
                 spec.names.frame(odometry.odom_frame))])
         self._add_diagnostics(name)
 
-    def _all(self) -> List[SensorTopics]:
-        return [*self._robots.values(), *self._sensors.values()]
-
-    def connect_model(self, carrier: Carrier) -> None:
+    def connect_of_file(self, model: SimulatedModel) -> None:
         """Give a model of the world that drives or has sensors its topics.
 
         Where that cannot be, a line of the log says why, and it has none.
         """
-        spec = in_namespace(carrier.spec)
-        try:
-            if isinstance(carrier, Vehicle):
-                self._check_namespace(spec)
-            self.connect(carrier, spec)
-        except UserError as error:
-            rospy.logerr('model %s has no topics: %s', carrier.robot.name, one_line(error))
-
-    def add_sensors(self, first: int) -> None:
-        """Give sensors to the bodies of the world from a number on."""
-        count = len(self._simulator.carriers)
-        for warning in assembly.add_sensors(self._simulator, SENSORS, first=first):
-            rospy.logwarn('%s', warning)
-        for carrier in self._simulator.carriers[count:]:
-            self.connect_model(carrier)
-
-    def remove_sensors(self) -> None:
-        """End the topics of sensors of models that are there no longer."""
-        there = {carrier.robot.name for carrier in self._simulator.carriers}
-        for name in set(self._sensors) - there:
-            topics = self._sensors.pop(name)
-            topics.close()
-            self._images.remove_cameras(topics.carrier)
+        for mounted in model.sensors:
+            mounted.spec = in_namespace(mounted.spec)
+            try:
+                if model.is_robot:
+                    self._check_namespace(mounted.spec)
+                self._connect(model, mounted)
+            except UserError as error:
+                rospy.logerr('model %s has no topics: %s', mounted.body.name, one_line(error))
 
     def remove(self, name: str) -> None:
-        """Remove a robot; SimulationError when there is none of that name."""
-        if name not in self._robots:
-            raise SimulationError('no robot {!r} (robots: {})'.format(
-                name, ', '.join(self._robots) or 'none'))
-        robot = self._robots.pop(name)
-        if self._diagnostics is not None and robot.spec.names.namespace:
-            self._diagnostics.remove(name)
-        robot.close()
-        if self._lockstep is not None and robot.spec.names.namespace:
-            self._lockstep.forget(robot.spec.names.namespace)
-        self._statics.remove('world of ' + name)
-        self._images.remove_cameras(robot.vehicle)
-        self._models.remove_vehicle(robot.vehicle)
-        self._simulator.remove(robot.vehicle)
-        rospy.loginfo('%s was removed', robot.spec.names.words)
+        """Remove a model with its topics; SimulationError for the floor, and if there is none."""
+        for mounted in self._models.remove(name).sensors:
+            self._images.remove_cameras(mounted)
+            topics = self._topics.pop(mounted.body.name, None)
+            if topics is None:
+                continue
+            topics.close()
+            if isinstance(topics, RobotTopics):
+                namespace = topics.spec.names.namespace
+                if self._diagnostics is not None and namespace:
+                    self._diagnostics.remove(mounted.body.name)
+                if self._lockstep is not None and namespace:
+                    self._lockstep.forget(namespace)
+                self._statics.remove('world of ' + mounted.body.name)
+                rospy.loginfo('%s was removed', topics.spec.names.words)
+
+    @property
+    def _robots(self) -> Dict[str, RobotTopics]:
+        return {name: topics for name, topics in self._topics.items()
+                if isinstance(topics, RobotTopics)}
 
     def __contains__(self, name: str) -> bool:
         return name in self._robots
@@ -163,7 +156,7 @@ class Robots:
 
     def disable_unused(self) -> None:
         """Disable the sensors that have no subscriber."""
-        for topics in self._all():
+        for topics in self._topics.values():
             topics.disable_unused()
 
     def namespaces(self, names: Optional[Collection[str]] = None) -> List[str]:
@@ -178,19 +171,19 @@ class Robots:
 
     def publish(self, readings: Sequence[Reading]) -> None:
         """Publish the readings of all sensors but cameras."""
-        found: Dict[str, List[Reading]] = {name: [] for name in (*self._robots, *self._sensors)}
+        found: Dict[str, List[Reading]] = {name: [] for name in self._topics}
         for reading in readings:
-            if not self._images.is_camera(reading):
+            if reading.robot in found and not self._images.is_camera(reading):
                 found[reading.robot].append(reading)
-        for topics in self._all():
-            topics.publish(found[topics.carrier.robot.name])
+        for name, topics in self._topics.items():
+            topics.publish(found[name])
         self._transforms.flush()
 
     def scale_timeouts(self, scale: float) -> None:
         """Make `cmd_vel_timeout` of all robots, also later ones, `scale` times as long."""
         self._timeout_scale = scale
         for robot in self._robots.values():
-            robot.vehicle.drive.scale_timeout(scale)
+            robot.robot.drive.scale_timeout(scale)
 
     def use_diagnostics(self, diagnostics: NodeDiagnostics) -> None:
         """Report each robot with a namespace as a separate status from now on."""

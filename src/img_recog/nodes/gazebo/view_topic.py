@@ -48,12 +48,12 @@ class ViewTopic:
     def shot(self, simulator: Simulator) -> Shot:
         """Return what is to be drawn now."""
         viewpoint = self._above
-        if self._settings.view == 'follow' and simulator.vehicles:
-            viewpoint = view.follow(simulator.vehicles[0].robot.pose())
+        if self._settings.view == 'follow' and simulator.robots:
+            viewpoint = view.follow(simulator.robots[0].body.pose())
         pose = viewpoint.pose()
         edges = self.camera.edges
         near, far = view.near_and_far(pose, (edges.right, edges.top))
-        roof = view.ceiling(simulator.world, [each.robot for each in simulator.vehicles])
+        roof = view.ceiling(simulator.world, [each.body for each in simulator.robots])
         return Shot(self.camera._replace(near=near, far=far), pose,
                     ceiling=roof if roof < pose[2, 3] else math.inf)
 

@@ -3,7 +3,7 @@ from typing import Sequence, Tuple
 
 from img_recog.errors import SimulationError
 from img_recog.simulation.physics.drive import Drive, Velocity
-from img_recog.simulation.physics.robot import Motors, SimulatedRobot
+from img_recog.simulation.physics.robot import Motors, RobotBody
 from img_recog.simulation.simulation_settings import DriveSettings
 
 # m/s at the rim: once one side is this near to its target, the ramp of both ends (gazebo_plugins)
@@ -49,7 +49,7 @@ class DifferentialDrive(Drive):
         """Set the motors again at the next update."""
         self._set: Sequence[float] = ()
 
-    def move(self, robot: SimulatedRobot, velocity: Velocity) -> None:
+    def move(self, robot: RobotBody, velocity: Velocity) -> None:
         """Set the target velocities of the wheels."""
         difference = velocity.turn * self._separation / 2
         target = velocity.forward - difference, velocity.forward + difference
@@ -60,7 +60,7 @@ class DifferentialDrive(Drive):
             robot.set_wheel_velocities((left / left_radius,) * self._counts[0]
                                        + (right / right_radius,) * self._counts[1])
 
-    def _towards(self, target: _Sides, robot: SimulatedRobot) -> _Sides:
+    def _towards(self, target: _Sides, robot: RobotBody) -> _Sides:
         """Return what the motors are set to for a target.
 
         The ramp is that of gazebo_plugins: what the wheels lack now is added to what it was last.
@@ -82,7 +82,7 @@ class DifferentialDrive(Drive):
         return (sum(wheels[:left]) / left * self._radii[0],
                 sum(wheels[left:]) / right * self._radii[1])
 
-    def encoders(self, robot: SimulatedRobot) -> _Sides:
+    def encoders(self, robot: RobotBody) -> _Sides:
         """Return how far the rims of the left and right wheels have turned, in m."""
         return self._rims(robot.wheel_positions())
 

@@ -4,7 +4,7 @@ from typing import NamedTuple, Tuple
 
 from img_recog.errors import SimulationError
 from img_recog.settings import computable
-from img_recog.simulation.physics.robot import Motors, SimulatedRobot
+from img_recog.simulation.physics.robot import Motors, RobotBody
 from img_recog.simulation.simulation_settings import DriveSettings
 
 _ROUNDING_PERIODS = 1e-6        # 0.07 s divided by 0.01 s is a little more than 7
@@ -77,7 +77,7 @@ class Drive:
         self._age = 0
         self.timed_out = False
 
-    def update(self, robot: SimulatedRobot) -> None:
+    def update(self, robot: RobotBody) -> None:
         """Move the robot by the command; to be called once a drive period."""
         if self._timeout and self._age > self._timeout - _ROUNDING_PERIODS:
             self.timed_out = self.timed_out or self._command != STAND
@@ -97,10 +97,10 @@ class Drive:
                           for wanted, now, given, kept in zip(self._command, before, change,
                                                               allowed)))
 
-    def move(self, robot: SimulatedRobot, velocity: Velocity) -> None:
+    def move(self, robot: RobotBody, velocity: Velocity) -> None:
         """Move the robot for a drive period."""
 
-    def encoders(self, robot: SimulatedRobot) -> Tuple[float, ...]:
+    def encoders(self, robot: RobotBody) -> Tuple[float, ...]:
         """Return what the drive counts of the way; `travelled` compares two of them."""
         return ()
 

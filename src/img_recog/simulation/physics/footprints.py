@@ -20,7 +20,7 @@ def footprints(world: World) -> List[np.ndarray]:
     An outline is the convex hull of the shape seen along z. Meshes, terrain and planes are
     skipped; robots are not part of the world.
     """
-    return [outline for body in world.bodies if not body.is_terrain
+    return [outline for body in world.scenery if not body.is_terrain
             for outline in _outlines(body)]
 
 

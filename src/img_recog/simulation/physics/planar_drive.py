@@ -5,7 +5,7 @@ from typing import Tuple
 from img_recog import rotations
 from img_recog.simulation.physics.body import velocity_at
 from img_recog.simulation.physics.drive import Drive, Velocity
-from img_recog.simulation.physics.robot import Motors, SimulatedRobot
+from img_recog.simulation.physics.robot import Motors, RobotBody
 from img_recog.simulation.simulation_settings import DriveSettings
 
 
@@ -18,7 +18,7 @@ class PlanarDrive(Drive):
     def __init__(self, settings: DriveSettings):
         super().__init__(settings, Motors((), 0.0, slides=True))
 
-    def move(self, robot: SimulatedRobot, velocity: Velocity) -> None:
+    def move(self, robot: RobotBody, velocity: Velocity) -> None:
         """Set the velocity in the plane and about z; it can fall, and tilt on a slope."""
         frame, point, linear, angular = robot.frame_state(robot.root)
         forward, left, turn = velocity
@@ -29,7 +29,7 @@ class PlanarDrive(Drive):
                             forward * math.sin(yaw) + left * math.cos(yaw), vertical),
                            (angular[0], angular[1], turn))
 
-    def encoders(self, robot: SimulatedRobot) -> Tuple[float, ...]:
+    def encoders(self, robot: RobotBody) -> Tuple[float, ...]:
         """Return where the root link is: x and y in m, and yaw in rad, in the world."""
         (x, y, _), orientation = robot.frame_state(robot.root).frame
         return x, y, rotations.yaw(orientation)

@@ -33,7 +33,7 @@ class Motors(NamedTuple):
     slides: bool = False
 
 
-class SimulatedRobot(FramedBody):
+class RobotBody(FramedBody):
     """The body of a model, with motors.
 
     spawn: where `reset` moves it.
@@ -50,8 +50,8 @@ class SimulatedRobot(FramedBody):
                          model, loaded=shod)
         self.name, self.slides, self.exact_hulls = model.name, motors.slides, True
         self.spawn = spawn
-        self._wheels = tuple(self._wheel_index(*joint, left_out=model.left_out)
-                             for joint in motors.joints)
+        check_motors(motors, self)
+        self._wheels = tuple(self.joints[name] for _, name in motors.joints)
         # gazebo_plugins' diff_drive publishes the right wheel before the left one
         right_first = sorted(motors.joints, key=lambda joint: joint[0] != 'right_joint')
         self._published = {name: self.joints[name] for name in dict.fromkeys(
@@ -103,13 +103,15 @@ class SimulatedRobot(FramedBody):
         return JointStates(tuple(self._published), [state[0] for state in states],
                            [state[1] for state in states], [state[3] for state in states])
 
-    def _wheel_index(self, setting: str, name: str, left_out: Sequence[str]) -> int:
-        if name in left_out:
+
+def check_motors(motors: Motors, body: FramedBody) -> None:
+    """Raise SimulationError if the body of a model has not all joints of the motors."""
+    for setting, name in motors.joints:
+        if name in body.model.left_out:
             raise SimulationError('{}: joint {} is left out, because what it moves has no mass'
                                   .format(setting, name), 'add an <inertial> to that link')
-        if name not in self.joints:
+        if name not in body.joints:
             raise SimulationError(
                 'the robot has no movable joint {} (movable joints: {})'.format(
-                    name, ', '.join(self.joints) or 'none'),
+                    name, ', '.join(body.joints) or 'none'),
                 'set {} to the joint of a wheel'.format(setting))
-        return self.joints[name]

@@ -1,5 +1,5 @@
-"""The physics client, and everything in it except robots."""
-from typing import Dict, Iterable, List, NamedTuple, Optional, Sequence, Tuple
+"""The physics client, and the models in it."""
+from typing import Callable, Dict, Iterable, List, NamedTuple, Optional, Sequence, Tuple
 
 import pybullet
 
@@ -15,6 +15,7 @@ from img_recog.simulation.physics.directions import Directions
 from img_recog.simulation.physics.forces import Forces
 from img_recog.simulation.physics.framed_body import FramedBody
 from img_recog.simulation.physics.meeting import Meeting
+from img_recog.simulation.physics.model_bodies import ModelBodies
 from img_recog.simulation.physics.pushes import Pushes
 from img_recog.simulation.physics.sleeping import Sleeping
 from img_recog.simulation.physics.solids import Solids
@@ -37,24 +38,39 @@ class _Adopted(NamedTuple):
 
 
 class World:
-    """A physics client with gravity and the bodies of a world file.
+    """A physics client with gravity and models.
 
-    physics_client_id: to be passed to every PyBullet call; step_s: of the physics; solids: of all
-    bodies in the client; floor: None in a world without; file: what stands in the world now;
-    bodies: one for each tree in `file`; pushes: that act for a time; sleeping: the bodies that
-    can fall asleep; revision: the number of times that something was added or removed, robots
-    too, or that something fixed was moved for the first time; lifted: how far, in m, each body
-    was moved upward that was in the floor when it was added, by name; crowded: a line if the
-    step after the last `add` takes long; warnings: what else of that `add` is simulated in
-    another way, a line each.
+    Attributes:
+        physics_client_id: Number of the client, to be passed to every PyBullet call.
+        step_s: Step of the physics.
+        solids: Collision shapes of all bodies in the client.
+        models: All models: the floor, if there is one, then the others as they were added.
+        floor: Body of the floor; None in a world without.
+        file: What the world file says besides the models, with the gravity of now.
+        pushes: Forces that act for a time.
+        sleeping: Bodies that can fall asleep.
+        revision: Number of times that a model was added or removed, or that something fixed was
+            moved for the first time.
+        lifted: How far, in m, each body was moved upward that was in the floor when it was added,
+            by name.
+        crowded: A warning if the step after the last `add` takes long.
+        warnings: What else of that `add` is simulated in another way, a line each.
     """
 
     def __init__(self, settings: PhysicsSettings, file: WorldFile, physics_client_id: int,
-                 problems: Optional[Problems] = None):
+                 problems: Optional[Problems] = None,
+                 make: Callable[..., ModelBodies] = ModelBodies):
         """Build the world in a physics client.
 
-        problems: to which is added what of the file cannot be loaded; without, that is a
-        SimulationError.
+        Args:
+            settings: Settings of the physics.
+            file: World.
+            physics_client_id: Number of the client.
+            problems: Gets what of the file cannot be loaded; without it, that is an error.
+            make: Class of the models of the file.
+
+        Raises:
+            SimulationError: if something cannot be loaded, or the first step would take too long.
         """
         self.physics_client_id, self.step_s = physics_client_id, settings.step_s
         self.client = client_argument(physics_client_id)
@@ -62,8 +78,10 @@ class World:
         self._adopted: Dict[int, _Adopted] = {}
         self.pushes, self.sleeping = Pushes(), Sleeping(physics_client_id, settings.step_s)
         self.file, self.revision = file._replace(trees=()), 0
-        self.bodies: List[FramedBody] = []
+        self.models: List[ModelBodies] = []
+        self._make = make
         self.lifted: Dict[str, float] = {}
+        self.crowded = ''
         self.set_gravity(file.gravity)
         # Contacts in a fixed order, so that equal commands give equal trajectories; and each group
         # of bodies that touch by itself, as ODE does, which makes 60 crates three times as fast.
@@ -76,31 +94,65 @@ class World:
         self.floor: Optional[FramedBody] = None
         if file.has_floor:
             (_, self.floor), = load_bodies([FLOOR], physics_client_id)
+            self.models.append(ModelBodies(FLOOR.name, [FLOOR], [self.floor]))
             friction.set_dynamics(self.floor)
             self._meeting.add([self.floor])
             self.sleeping.add(self.floor)
         try:
-            self.add(file.trees, problems)
+            self.load(file.trees, problems)
         except SimulationError as error:
             raise SimulationError('world {}: {}'.format(file.name, error.problem), error.advice)
 
-    def add(self, trees: Sequence[Tree], problems: Optional[Problems] = None) -> None:
-        """Add trees to the world.
+    def load(self, trees: Sequence[Tree],
+             problems: Optional[Problems] = None) -> Sequence[ModelBodies]:
+        """Load trees into PyBullet, and add their models.
 
-        problems: to which is added what cannot be loaded; without, that is a SimulationError, and
-        nothing is added. A next step that would take too long is a SimulationError too.
+        Args:
+            trees: Trees of the models.
+            problems: Gets what cannot be loaded; without it, that is an error.
+
+        Returns:
+            The models.
+
+        Raises:
+            SimulationError: if something cannot be loaded, or a next step would take too long;
+                nothing is added then.
         """
         with all_or_nothing(self.physics_client_id):
-            loaded = load_bodies(trees, self.physics_client_id, problems=problems)
-            self.warnings = self._adopt_trees(loaded)
+            models: List[ModelBodies] = []
+            for tree, body in load_bodies(trees, self.physics_client_id, problems=problems):
+                if tree.first:
+                    models.append(self._make(body.name, [], []))
+                models[-1].trees.append(tree)
+                models[-1].bodies.append(body)
+            self.add(models)
+        return models
+
+    def add(self, models: Sequence[ModelBodies]) -> None:
+        """Add models that are in PyBullet; sets `crowded` and `warnings`.
+
+        Raises:
+            SimulationError: if the next step would take too long; the models are removed then.
+        """
+        self.warnings = [line for model in models for line in self._connect(model.bodies)]
+        added = [(tree, body) for model in models if not model.is_robot
+                 for tree, body in zip(model.trees, model.bodies)]
+        if added:
             try:
-                self.crowded = crowding.check([*self.bodies, *(body for _, body in loaded)])
+                self.crowded = crowding.check([*self.scenery, *(body for _, body in added)])
             except SimulationError:
-                for _, body in loaded:
-                    self._remove(body)
+                self._remove(models)
                 raise
-        planes = self._planes(body for _, body in loaded)
-        for tree, body in loaded:
+            self._settle(added)
+        for model in models:
+            model.name = self._free_name(model.name)
+            self.models.append(model)
+        self.notify_changed()
+
+    def _settle(self, added: Sequence[Tuple[Tree, FramedBody]]) -> None:
+        """Put joints at their first positions, and what is in the floor onto it."""
+        planes = self._planes(body for _, body in added)
+        for tree, body in added:
             if any(tree.positions.values()):
                 for joint in body.joints:
                     body.set_joint(joint, tree.positions.get(joint, 0.0))
@@ -116,14 +168,35 @@ class World:
                     self.lifted[body.name] = lifted.height_m
             self.sleeping.add(body, bool(self._adopted[body.body_id].forces))
             self.sleeping.wake_near(body)
-        self.bodies += [body for _, body in loaded]
-        self.file = self.file._replace(trees=(*self.file.trees, *(tree for tree, _ in loaded)))
-        self.notify_changed()
+
+    def _free_name(self, name: str) -> str:
+        """Return a name that no model has, as Gazebo makes it of one that is taken."""
+        taken = {model.name for model in self.models}
+        number, free = 0, name
+        while free in taken:
+            free, number = '{}_{}'.format(name, number), number + 1
+        return free
+
+    @property
+    def bodies(self) -> List[FramedBody]:
+        """The bodies of all models but the floor."""
+        return [body for model in self.models for body in model.bodies if body is not self.floor]
+
+    @property
+    def trees(self) -> List[Tree]:
+        """The trees of links of `bodies`."""
+        return [tree for model in self.models for tree in model.trees if tree is not FLOOR]
+
+    @property
+    def scenery(self) -> List[FramedBody]:
+        """The bodies of all models but the floor and robots."""
+        return [body for model in self.models if not model.is_robot
+                for body in model.bodies if body is not self.floor]
 
     @property
     def fixed(self) -> List[FramedBody]:
         """The bodies that never move, and the floor."""
-        return [body for body in (self.floor, *self.bodies) if body is not None and body.fixed]
+        return [body for body in (self.floor, *self.scenery) if body is not None and body.fixed]
 
     def set_gravity(self, gravity: Tuple[float, ...]) -> None:
         """Let another gravity (3,) act from the next step on, in m/s2."""
@@ -135,11 +208,11 @@ class World:
 
     def lift(self, body: Body) -> standing.Lift:
         """Move a robot upward until it is in nothing, see `standing.lift`."""
-        others = [other for other in self.bodies if not other.is_plane]
+        others = [other for other in self.scenery if not other.is_plane]
         return standing.lift(body, self._planes(), others)
 
     def _planes(self, added: Iterable[Body] = ()) -> List[Body]:
-        return [body for body in (self.floor, *self.bodies, *added) if body and body.is_plane]
+        return [body for body in (self.floor, *self.scenery, *added) if body and body.is_plane]
 
     def _free_of(self, plane: Body, body: Body) -> None:
         """Let what a joint holds deep in a plane not meet it: nothing could push it out."""
@@ -148,19 +221,8 @@ class World:
             self.warnings.append('{}: held in the floor by its joints; it does not meet the floor'
                                  .format(body.name))
 
-    def _adopt_trees(self, loaded: Sequence[Tuple[Tree, FramedBody]]) -> List[str]:
-        models: List[List[FramedBody]] = []
-        for tree, body in loaded:
-            if tree.first:
-                models.append([])
-            models[-1].append(body)
-        return [line for bodies in models for line in self.adopt(bodies)]
-
-    def adopt(self, bodies: Sequence[FramedBody]) -> List[str]:
-        """Let the bodies of a model act like in Gazebo, until they are removed.
-
-        Returns warnings, a line each.
-        """
+    def _connect(self, bodies: Sequence[FramedBody]) -> List[str]:
+        """Let the bodies of a model act like in Gazebo; return warnings, a line each."""
         self._meeting.add(bodies)
         lines: List[str] = []
         for body in bodies:
@@ -171,7 +233,7 @@ class World:
             lines += ['{}: {}'.format(body.name, line) for line in adopted.forces.warnings]
         return lines
 
-    def _remove(self, body: Body) -> None:
+    def _remove_body(self, body: Body) -> None:
         self.sleeping.forget(body)
         self._meeting.forget(body)
         if body.body_id in self._adopted:       # unless it is frozen, see load_again
@@ -180,31 +242,38 @@ class World:
         self.pushes.forget(body)
         pybullet.removeBody(body.body_id, **self.client)
 
-    def remove(self, bodies: Sequence[Body]) -> None:
-        """Remove bodies from the world: some of `bodies`, or those of robots."""
-        kept = [number for number, body in enumerate(self.bodies) if body not in bodies]
-        for body in bodies:
-            self._remove(body)
-        self.bodies = [self.bodies[number] for number in kept]
-        self.file = self.file._replace(trees=tuple(self.file.trees[number] for number in kept))
+    def remove(self, model: ModelBodies) -> None:
+        """Remove a model from the world."""
+        self._remove([model])
+        self.models.remove(model)
         self.notify_changed()
 
-    def load_again(self, bodies: Sequence[FramedBody], freeze: bool = False) -> None:
+    def _remove(self, models: Sequence[ModelBodies]) -> None:
+        for model in models:
+            for body in model.bodies:
+                self._remove_body(body)
+
+    def load_again(self, model: ModelBodies, freeze: bool = False) -> None:
         """Replace the bodies of a model in PyBullet, which simulates none again that had NaN.
 
-        They are at the origin then. freeze: whether nothing moves them, nor their joints.
+        They are at the origin then.
+
+        Args:
+            model: Model.
+            freeze: Whether nothing moves the bodies and their joints.
         """
-        for body in bodies:
+        for body in model.bodies:
             held = [value[0] for value in body.joint_values()] if freeze else ()
-            self._remove(body)
+            self._remove_body(body)
             # PyBullet gives the number that was free last
             build.load(body.loaded.held_at(dict(zip(body.joints, held))), self.physics_client_id,
                        body.fixed or freeze, problems=Problems(), exact_hulls=body.exact_hulls)
             body.set_defaults()
-        self._meeting.add(bodies) if freeze else self.adopt(bodies)
-        for body in bodies:
+        self._meeting.add(model.bodies) if freeze else self._connect(model.bodies)
+        for body in model.bodies:
             friction.set_dynamics(body)
             body.stop_wheels()
+        model.notify_loaded_again()
         self._pairs.reset()
         self.notify_changed()
 
@@ -246,27 +315,29 @@ class World:
         pybullet.disconnect(**self.client)
 
     def reset(self) -> None:
-        """Move all bodies back to where they were when they were added, at rest."""
+        """Move all models back to their starts, at rest and without a command."""
         self.pushes.clear()
         self.sleeping.reset()
-        for body in self.bodies:
-            body.reset()
+        # robots last: they are lifted onto what they start in
+        for model in sorted(self.models, key=lambda model: model.is_robot):
+            model.reset()
         self._pairs.reset()
         for adopted in self._adopted.values():
             adopted.landing.reset()
         self._is_at_start, self._steps = True, 0
 
     def notify_changed(self) -> None:
-        """Call after a body was added or removed."""
+        """Call after a model was added or removed, or loaded again."""
         self.revision += 1
         stiffness.set_up(self.physics_client_id, self.step_s, any(
             adopted.landing for adopted in self._adopted.values()))
-        self.solids.others = {body.body_id for body in self.bodies if body.is_terrain}
+        self.solids.others = {body.body_id for body in self.scenery if body.is_terrain}
         self.solids.forget()
 
-    def notify_moved(self, bodies: Sequence[FramedBody]) -> None:
-        """Call after bodies were moved; from then on, fixed ones among them can move, too."""
-        for body in bodies:
+    def notify_moved(self, model: ModelBodies) -> None:
+        """Call after a model was moved; from then on, a fixed one can move, too."""
+        model.notify_moved()
+        for body in model.bodies:
             if self.sleeping.wake_near(body):
                 self._meeting.set_masks(body)
             if body.fixed and not body.was_moved:

@@ -9,8 +9,7 @@ from typing import List, NamedTuple, Sequence
 import pybullet
 
 from img_recog.formats.world_file import WorldFile
-from img_recog.model import Model
-from img_recog.simulation.physics import build
+from img_recog.model import Tree
 from img_recog.simulation.physics.body import Body, BodyPose
 from img_recog.simulation.physics.world import load_bodies
 from img_recog.simulation.pictures.link_colors import split_links_by_color
@@ -21,9 +20,14 @@ _FLOOR_COLOR = (0.72, 0.72, 0.72, 1.0)
 
 
 class Scene(NamedTuple):
-    """What a copy is built from; it can be sent to another process."""
+    """What a copy is built from; it can be sent to another process.
 
-    robots: Sequence[Model]
+    Attributes:
+        trees: Trees of links of all models but the floor.
+        world: What the world file says besides its models.
+    """
+
+    trees: Sequence[Tree]
     world: WorldFile
 
 
@@ -43,12 +47,8 @@ class SceneCopy:
         physics_client_id = self._physics_client_id
         for body in self.bodies:
             pybullet.removeBody(body.body_id, physicsClientId=physics_client_id)
-        trees = [tree._replace(model=split_links_by_color(tree.model))
-                 for tree in scene.world.trees]
-        self.bodies = [Body(build.load(split_links_by_color(robot), physics_client_id,
-                                       visuals=True), physics_client_id)
-                       for robot in scene.robots]
-        self.bodies += [body for _, body in load_bodies(trees, physics_client_id, visuals=True)]
+        trees = [tree._replace(model=split_links_by_color(tree.model)) for tree in scene.trees]
+        self.bodies = [body for _, body in load_bodies(trees, physics_client_id, visuals=True)]
         for body in self.bodies:
             for link in body.links:
                 # otherwise each tall body would show a reflection of the sun
@@ -71,10 +71,9 @@ def _add_floor(physics_client_id: int) -> None:
 
 def scene_of(simulator: Simulator) -> Scene:
     """Return what there is to draw of a simulator now."""
-    return Scene([vehicle.robot.model for vehicle in simulator.vehicles], simulator.world.file)
+    return Scene(simulator.world.trees, simulator.world.file)
 
 
 def poses_of(simulator: Simulator) -> Sequence[BodyPose]:
-    """Return the poses of robots and world bodies in the order of a SceneCopy."""
-    bodies = [vehicle.robot for vehicle in simulator.vehicles] + simulator.world.bodies
-    return [body.pose() for body in bodies]
+    """Return the poses of all bodies in the order of a SceneCopy."""
+    return [body.pose() for body in simulator.world.bodies]

@@ -56,7 +56,7 @@ def above(world: World) -> Viewpoint:
     camera = world.file.camera
     viewpoint = ABOVE if camera is None else of_camera(camera)
     boxes = [np.array(pybullet.getAABB(body.body_id, link, **body.client))
-             for body in world.bodies if not body.is_plane for link in body.links]
+             for body in world.scenery if not body.is_plane for link in body.links]
     boxes = [box for box in boxes if box[1, 2] > _MAX_FLAT_M]       # not a floor
     if not boxes or viewpoint.pitch > ABOVE.pitch or abs(viewpoint.yaw - ABOVE.yaw) > 1:
         return viewpoint

@@ -13,8 +13,8 @@ from img_recog.simulation.simulator import Simulator
 class Parts:
     """The links of all bodies of a simulation: what its visuals are attached to.
 
-    moving: whether the part of each number can move. The order is that of the bodies, robots
-    first, and of their links, the root link first.
+    moving: whether the part of each number can move. The order is that of the bodies of the
+    world, and of their links, the root link first.
     """
 
     def __init__(self, simulator: Simulator):
@@ -24,8 +24,7 @@ class Parts:
     def refresh(self) -> None:
         """Read the bodies again; to be called when some were added or removed, or can move now."""
         simulator = self._simulator
-        self._bodies: List[Body] = [*(vehicle.robot for vehicle in simulator.vehicles),
-                                    *simulator.world.bodies]
+        self._bodies: List[Body] = list(simulator.world.bodies)
         self.moving = tuple(moving for body in self._bodies for moving in _moving(body))
         self._poses = np.array([pose for body in self._bodies for pose in _poses(body)],
                                float).reshape(-1, 7)
@@ -49,9 +48,8 @@ class Parts:
 def read(scene: Scene, parts: Parts) -> VisualScene:
     """Return what there is to draw."""
     world = scene.world
-    models = [*scene.robots, *(tree.model for tree in world.trees)]
-    links = [(numbers[link.name], link) for model, numbers in zip(models, parts.numbers())
-             for link in model.links]
+    links = [(numbers[link.name], link) for tree, numbers in zip(scene.trees, parts.numbers())
+             for link in tree.model.links]
     visuals = tuple(Visual(number, look.shape, look.pose.matrix(), look.material,
                            look.prefers_file, look.opacity)
                     for number, link in links for look in link.looks)

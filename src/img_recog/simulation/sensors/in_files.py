@@ -8,7 +8,7 @@ from img_recog.formats.numbers import read_numbers
 from img_recog.formats.texts import name_of, text_of
 from img_recog.model import AttachedFrame, Tag
 from img_recog.rotations import IDENTITY, transform
-from img_recog.simulation.sensors.sensor import RobotSensor, SensorKind
+from img_recog.simulation.sensors.sensor import ConfiguredSensor, SensorKind
 
 
 class _Part(NamedTuple):
@@ -23,7 +23,7 @@ class _Part(NamedTuple):
 
 def read(tags: Sequence[Tag], step_s: float, kinds: Sequence[SensorKind],
          drive: Optional[Tags] = None, with_bare: bool = False
-         ) -> Tuple[Values, List[RobotSensor], List[str]]:
+         ) -> Tuple[Values, List[ConfiguredSensor], List[str]]:
     """Return what the tags of a model give.
 
     That is the settings of the first sensor of each kind, by name; the sensors in the order of the
@@ -36,7 +36,7 @@ def read(tags: Sequence[Tag], step_s: float, kinds: Sequence[SensorKind],
     """
     readers: List[Tuple[Tags, Optional[SensorKind]]] = [(drive, None)] if drive else []
     readers += [(kind.read_tags, kind) for kind in kinds]
-    sensors: List[RobotSensor] = []
+    sensors: List[ConfiguredSensor] = []
     problems: List[str] = []
     of_readers: Dict[int, Values] = {}          # of those that have read a part
     for part in _parts(tags, [reader for reader, _ in readers], with_bare):
@@ -64,11 +64,11 @@ def read(tags: Sequence[Tag], step_s: float, kinds: Sequence[SensorKind],
     return values, sensors, problems
 
 
-def _sensor(kind: SensorKind, values: Values, part: _Part) -> RobotSensor:
+def _sensor(kind: SensorKind, values: Values, part: _Part) -> ConfiguredSensor:
     if part.sensor is None:
-        return RobotSensor(kind.name, kind, values=values, place=_place_of(part))
-    return RobotSensor(kind.name, kind, 0, values, _place_of(part), name_of(part.sensor),
-                       part.sensor.get('type', ''), part.plugin is None)
+        return ConfiguredSensor(kind.name, kind, values=values, place=_place_of(part))
+    return ConfiguredSensor(kind.name, kind, 0, values, _place_of(part), name_of(part.sensor),
+                            part.sensor.get('type', ''), part.plugin is None)
 
 
 def _parts(tags: Sequence[Tag], readers: Sequence[Tags], with_bare: bool) -> Iterator[_Part]:
@@ -116,7 +116,7 @@ def _place_of(part: _Part) -> Optional[AttachedFrame]:
 
 
 def _add_cameras(tags: Sequence[Tag], kind: SensorKind, with_bare: bool,
-                 sensors: List[RobotSensor], problems: List[str]) -> None:
+                 sensors: List[ConfiguredSensor], problems: List[str]) -> None:
     """Add the cameras; of two with a topic of the same name, the first one counts."""
     owners: Dict[str, str] = {}         # of topics
     for link, sensor in ((tag.link, sensor) for tag in tags
@@ -140,6 +140,6 @@ def _add_cameras(tags: Sequence[Tag], kind: SensorKind, with_bare: bool,
                     name, taken, owners[taken]))
                 continue
             owners.update(dict.fromkeys(topics, name))
-            sensors.append(RobotSensor(kind.name, kind, 0, {'camera_frame': link, **values},
-                                       AttachedFrame(link, IDENTITY), name, sensor.get('type', ''),
-                                       is_bare))
+            sensors.append(ConfiguredSensor(kind.name, kind, 0, {'camera_frame': link, **values},
+                                            AttachedFrame(link, IDENTITY), name,
+                                            sensor.get('type', ''), is_bare))

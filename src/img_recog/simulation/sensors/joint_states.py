@@ -4,7 +4,7 @@ from typing import Tuple, cast
 
 from img_recog.formats.gazebo_tags import NAMES, RATE, Row, Tags
 from img_recog.settings import Settings, above, any_value, setting
-from img_recog.simulation.physics.robot import JointStates, SimulatedRobot
+from img_recog.simulation.physics.robot import JointStates, RobotBody
 from img_recog.simulation.sensors.sensor import Mount, Sensor
 from img_recog.simulation.simulation_settings import names_in
 
@@ -34,7 +34,7 @@ class JointStateSensor(Sensor):
     """Measures all movable joints, or as gazebo_plugins does, those that are given."""
 
     def __init__(self, mount: Mount, settings: JointStateSettings):
-        self._robot, self._given = cast(SimulatedRobot, mount.robot), settings.joints
+        self._robot, self._given = cast(RobotBody, mount.robot), settings.joints
 
     def read(self) -> JointStates:
         """Return the states of the joints."""

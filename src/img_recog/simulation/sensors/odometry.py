@@ -10,7 +10,7 @@ from img_recog.formats.gazebo_tags import Tags
 from img_recog.settings import Settings, above, any_value, not_empty, one_of, setting
 from img_recog.simulation.physics.body import Motion
 from img_recog.simulation.physics.drive import Drive
-from img_recog.simulation.physics.robot import SimulatedRobot
+from img_recog.simulation.physics.robot import RobotBody
 from img_recog.simulation.sensors.sensor import Mount, Sensor
 
 WORLD, ENCODER = 'world', 'encoder'
@@ -56,7 +56,7 @@ class EncoderOdometry(Sensor):
     """
 
     def __init__(self, mount: Mount, settings: OdometrySettings):
-        self._robot = cast(SimulatedRobot, mount.robot)
+        self._robot = cast(RobotBody, mount.robot)
         self._drive = cast(Drive, mount.drive)
         self._period_s = settings.odometry_period_s
         self.restart()

@@ -121,7 +121,7 @@ class SensorKind(NamedTuple):
         return getattr(settings, self.name + '_frame', '')
 
 
-class RobotSensor(NamedTuple):
+class ConfiguredSensor(NamedTuple):
     """A sensor of a robot.
 
     name: of its readings: for the first of a kind, that of the kind. number: among those of its
@@ -146,7 +146,7 @@ class RobotSensor(NamedTuple):
 
 
 def sensors_of(kinds: Sequence[SensorKind],
-               in_tags: Sequence[RobotSensor] = ()) -> List[RobotSensor]:
+               in_tags: Sequence[ConfiguredSensor] = ()) -> List[ConfiguredSensor]:
     """Return the sensors that a robot can have, in the order of their kinds; in_tags: those of its
     file. A kind that is not there has one for which settings are looked for elsewhere.
     """
@@ -154,7 +154,7 @@ def sensors_of(kinds: Sequence[SensorKind],
     for kind in kinds:
         own = [each for each in in_tags if each.kind is kind]
         if not own and not kind.only_in_tags:
-            found.append(RobotSensor(kind.name, kind))
+            found.append(ConfiguredSensor(kind.name, kind))
         found += [each._replace(name=numbered(kind, number), number=number)
                   for number, each in enumerate(own)]
     return found

@@ -59,11 +59,12 @@ class Rig:
     def __init__(self, publishers, lockstep=None, **settings):
         self.simulator, self.statics = robots.simulator(
             x=1.0, cameras=[CAMERA, BACK]), FakeStatics()
-        self.vehicle, self.publishers = self.simulator.vehicles[0], publishers
+        self.robot, self.publishers = self.simulator.robots[0], publishers
         self.images = Images(self.simulator, ViewSettings(view_width=64, view_height=48,
                                                           **settings),
                              self.statics, self._make_process, lockstep)
-        self.images.add_cameras(self.vehicle, Names())
+        self.mounted, = self.robot.sensors
+        self.images.add_cameras(self.mounted)
 
     def publish_others(self):
         """Publish the readings of other sensors."""
@@ -201,7 +202,7 @@ def test_cameras_of_a_robot_that_is_removed(rig, publishers):
     readings = list(filter(is_camera, rig.simulator.advance(40)))
     assert len(readings) == 2 and set(rig.statics) == {'cameras of turtlebot3_burger'}
     assert [each.width for each in rig.process.cameras] == [64, 32, 16]
-    rig.images.remove_cameras(rig.vehicle)
+    rig.images.remove_cameras(rig.mounted)
     assert not any(map(is_camera, readings)) and rig.statics == {}
     assert publishers['eye/image'].is_ended and publishers['back/info'].is_ended
     rig.images.draw(readings, rig.publish_others)
@@ -209,8 +210,9 @@ def test_cameras_of_a_robot_that_is_removed(rig, publishers):
 
 
 def test_the_names_of_a_namespace(rig, publishers):
-    rig.images.remove_cameras(rig.vehicle)
-    rig.images.add_cameras(rig.vehicle, Names('r', 'p'))
+    rig.images.remove_cameras(rig.mounted)
+    rig.mounted.spec = rig.mounted.spec._replace(names=Names('r', 'p'))
+    rig.images.add_cameras(rig.mounted)
     transform, = rig.statics['cameras of turtlebot3_burger']
     assert transform.header.frame_id == 'p/base_link' and transform.child_frame_id == 'p/lens'
     assert not publishers['r/eye/image'].is_ended
@@ -218,7 +220,7 @@ def test_the_names_of_a_namespace(rig, publishers):
 
 def test_another_scene(rig):
     assert not rig.images.update_scene()
-    rig.simulator.remove(rig.vehicle)
+    rig.simulator.world.remove(rig.robot)
     assert rig.images.update_scene() and not rig.images.update_scene()
     assert rig.process.scene.visuals == () and rig.process.poses.shape == (0, 7)
 
@@ -264,4 +266,4 @@ def test_a_view_that_follows(rig, publishers):
     rig.images.set_view('follow')
     rig.images.update_view()
     (shot,), *_ = rig.process.requests[0]
-    assert shot.pose == pytest.approx(follow(rig.vehicle.robot.pose()).pose())
+    assert shot.pose == pytest.approx(follow(rig.robot.body.pose()).pose())

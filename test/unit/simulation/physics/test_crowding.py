@@ -57,7 +57,7 @@ def test_a_world_whose_first_step_takes_too_long_is_refused(count, words):
 def test_bodies_that_stand_beside_one_another_are_not_many_points():
     poses = ['{} {} 0.1'.format(x * 0.21, y * 0.21) for x in range(15) for y in range(15)]
     world = world_of(*poses)
-    assert world.crowded == '' and len(world.bodies) == 225
+    assert world.crowded == '' and len(world.scenery) == 225
     world.step(10)      # in no time
 
 

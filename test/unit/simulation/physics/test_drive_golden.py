@@ -21,14 +21,14 @@ def recorded():
 
 def test_motions_and_readings():
     simulator = robots.simulator('turtlebot3_world', -2.0, -0.5, 0.3)
-    vehicle, = simulator.vehicles
+    robot, = simulator.robots
     parts = list(recorded())
     assert len(parts) == 3
     for (linear_x, angular_z, steps), expected in zip(
             ((0.2, 0.5, 700), (-10.0, -1.5, 400), (0.0, 0.0, 300)), parts):
-        vehicle.command(linear_x, angular_z)
+        robot.command(linear_x, angular_z)
         readings = {each.sensor: each for each in simulator.advance(steps)}
-        assert np.concatenate(vehicle.robot.motion()) == pytest.approx(
+        assert np.concatenate(robot.body.motion()) == pytest.approx(
             expected['motion'], abs=2e-4)
         assert [readings[name].time_s for name in ('odometry', 'joint_states', 'imu', 'scan')
                 ] == pytest.approx(expected['times'])
@@ -42,7 +42,7 @@ def test_motions_and_readings():
 
 def test_links_are_undamped_and_have_the_friction_of_the_description():
     simulator = robots.simulator('turtlebot3_world', -2.0, -0.5)
-    robot, client = simulator.vehicles[0].robot, simulator.world.physics_client_id
+    robot, client = simulator.robots[0].body, simulator.world.physics_client_id
     assert robot.mass() == pytest.approx(1.0017329, abs=1e-6)
     frictions = {}
     names = {link: name for name, link in link_indices(robot.body_id, client).items()}
@@ -54,7 +54,7 @@ def test_links_are_undamped_and_have_the_friction_of_the_description():
             assert pybullet.getJointInfo(robot.body_id, link, physicsClientId=client)[6] == 0
     assert frictions == FRICTIONS
     simulator.advance(1)        # of what never moves, the coefficient is at most 1 from then on
-    for body in (simulator.world.floor, *simulator.world.bodies):
+    for body in (simulator.world.floor, *simulator.world.scenery):
         for link in body.links:
             assert pybullet.getDynamicsInfo(body.body_id, link, physicsClientId=client)[1] == 1.0
     parameters = pybullet.getPhysicsEngineParameters(physicsClientId=client)

@@ -27,16 +27,16 @@ FIRST = ''.join('<gazebo reference="wheel_{}_link"><fdir1>1 0 0</fdir1></gazebo>
     ('', [(-10, 0, 2), (0, 0, 4)], [1.9072, 2.0725])])
 def test_ways(tags, parts, figures):
     simulator = assembled(burger('').replace('</robot>', DRIVE + tags + '</robot>')).simulator
-    vehicle = simulator.vehicles[0]
+    robot = simulator.robots[0]
     simulator.advance(1000)
     for (forward, turn, seconds), figure in zip(parts, figures):
-        vehicle.command(forward, turn)
-        begin, turned = vehicle.robot.motion(), 0.0
+        robot.command(forward, turn)
+        begin, turned = robot.body.motion(), 0.0
         for _ in range(seconds):
-            before = vehicle.robot.motion().yaw
+            before = robot.body.motion().yaw
             simulator.advance(1000)
-            turned += math.remainder(vehicle.robot.motion().yaw - before, 2 * math.pi)
-        way = math.dist(vehicle.robot.motion().position, begin.position)
+            turned += math.remainder(robot.body.motion().yaw - before, 2 * math.pi)
+        way = math.dist(robot.body.motion().position, begin.position)
         if parts[0][0]:
             assert way == pytest.approx(figure, rel=0.035, abs=0.005)
         else:
@@ -49,6 +49,6 @@ def test_how_it_stands():
                       '0.001</minDepth></gazebo>'.format(side) for side in ('left', 'right'))
     robot = assembled(burger().replace('</robot>', sinking + '</robot>')).simulator
     robot.advance(1000)
-    pose = robot.vehicles[0].robot.pose()
+    pose = robot.robots[0].body.pose()
     assert pose.position[2] == pytest.approx(-0.001, abs=1e-4)
     assert -rotations.matrix(pose.orientation)[2, 0] == pytest.approx(0.0077, abs=0.002)

@@ -10,7 +10,7 @@ from img_recog.formats import world_file
 from img_recog.settings import from_mapping
 from img_recog.simulation import assembly
 from img_recog.simulation.physics.differential_drive import DifferentialDrive
-from img_recog.simulation.robot_spec import read_robot
+from img_recog.simulation.configured_model import from_urdf
 from img_recog.simulation.simulation_settings import DriveSettings, PhysicsSettings
 from img_recog_helpers.refusals import refusal
 from img_recog_helpers.wheeled import (TURN_SHARE, assembled, controllers, plugin, robot,
@@ -46,7 +46,7 @@ def test_what_does_not_slip_drives_as_asked(urdf, given, forward, turn):
     share = 1.0 if urdf.count(PLANAR) else TURN_SHARE
     assert got[2] == pytest.approx(share * turn, rel=0.02, abs=0.004)
     # 2 wheels and 2 casters or 4 wheels stand on the floor, and stay there
-    assert simulator.vehicles[0].robot.motion().position[2] == pytest.approx(0.0, abs=0.002)
+    assert simulator.robots[0].body.motion().position[2] == pytest.approx(0.0, abs=0.002)
 
 
 def test_a_planar_base_moves_sideways_and_on_an_arc():
@@ -57,13 +57,13 @@ def test_a_planar_base_moves_sideways_and_on_an_arc():
     motion = odometry(simulator, 50)[-1]
     assert motion.linear == pytest.approx([0.2, -0.3, 0.0], abs=0.005)
     assert motion.angular == pytest.approx([0, 0, 0.5], abs=0.005)
-    true = simulator.vehicles[0].robot.motion()
+    true = simulator.robots[0].body.motion()
     assert motion.position == pytest.approx(true.position, abs=0.005)
 
 
 def test_the_wheels_of_a_planar_base_stop():
     simulator = assembled(robot(PLANAR)).simulator
-    body = simulator.vehicles[0].robot
+    body = simulator.robots[0].body
     for joint in body.joints.values():
         pybullet.resetJointState(body.body_id, joint, 0.0, 3.0,
                                  physicsClientId=body.physics_client_id)
@@ -73,14 +73,14 @@ def test_the_wheels_of_a_planar_base_stop():
 
 def test_a_wall_stops_a_planar_base_and_it_falls_off_an_edge():
     simulator = assembled(robot(PLANAR)).simulator
-    vehicle = simulator.vehicles[0]
+    driven = simulator.robots[0]
     simulator.world.step(100)
-    vehicle.robot.place(vehicle.robot.pose()._replace(position=(0, 0, 1.0)))
-    vehicle.command(0.5, 0.0)
+    driven.body.place(driven.body.pose()._replace(position=(0, 0, 1.0)))
+    driven.command(0.5, 0.0)
     simulator.advance(1000)
     # 0.45 s of free fall, in which it keeps its speed
-    assert vehicle.robot.motion().position[2] == pytest.approx(0.0, abs=0.01)
-    assert vehicle.robot.motion().position[0] == pytest.approx(0.5, rel=0.03)
+    assert driven.body.motion().position[2] == pytest.approx(0.0, abs=0.01)
+    assert driven.body.motion().position[0] == pytest.approx(0.5, rel=0.03)
 
 
 @pytest.mark.parametrize('urdf, given, rows', [
@@ -98,12 +98,12 @@ def test_the_odometry_of_a_skid_steered_robot_is_that_of_its_plugin():
     # libgazebo_ros_skid_steer_drive publishes the truth, diff_drive_controller what wheels turn
     simulator = assembled(robot(SKID, rows=FOUR)).simulator
     velocity(simulator, 0.0, 1.0)
-    true = simulator.vehicles[0].robot.motion().angular[2]
+    true = simulator.robots[0].body.motion().angular[2]
     assert odometry(simulator, 100)[-1].angular[2] == pytest.approx(true, rel=0.08)
     simulator = assembled(robot(CONTROL, rows=FOUR), controllers(2)).simulator
     velocity(simulator, 0.0, 1.0)
     assert odometry(simulator, 100)[-1].angular[2] == pytest.approx(1.0, rel=0.02)
-    assert simulator.vehicles[0].robot.motion().angular[2] < 0.9
+    assert simulator.robots[0].body.motion().angular[2] < 0.9
 
 
 def test_limits_are_those_of_the_controller():
@@ -111,12 +111,12 @@ def test_limits_are_those_of_the_controller():
         'has_velocity_limits': True, 'max_velocity': 0.4, 'min_velocity': -0.1,
         'has_acceleration_limits': True, 'max_acceleration': 0.2, 'min_acceleration': -0.8}})
     simulator = assembled(robot(CONTROL), given).simulator
-    vehicle, speeds = simulator.vehicles[0], []
+    driven, speeds = simulator.robots[0], []
     for command, steps in ((9.0, 1000), (9.0, 2000), (-9.0, 400), (-9.0, 1000)):
         for _ in range(steps // 100):
-            vehicle.command(command, 0.0)
+            driven.command(command, 0.0)
             simulator.advance(100)
-        speeds.append(vehicle.robot.motion().linear[0])
+        speeds.append(driven.body.motion().linear[0])
     assert speeds == pytest.approx([0.2, 0.4, 0.08, -0.1], abs=0.01)
 
 
@@ -128,10 +128,10 @@ def test_wheels_that_are_meshes_drive_as_asked(radius, tmp_path):
     urdf = robot(DIFFERENTIAL, radius=radius, shape='<mesh filename="wheel"/>')
     built = assembled(urdf, find_mesh=lambda uri: path)
     assert not [line for line in built.warnings if 'wheel_' in line]
-    assert built.simulator.vehicles[0].settings.drive.wheel_diameter == pytest.approx(2 * radius)
+    assert built.simulator.robots[0].settings.drive.wheel_diameter == pytest.approx(2 * radius)
     assert velocity(built.simulator, 0.2)[0] == pytest.approx(0.2, rel=0.02)
     assert velocity(built.simulator, 0.0, 0.5)[2] == pytest.approx(TURN_SHARE * 0.5, rel=0.02)
-    assert built.simulator.vehicles[0].robot.motion().position[2] == pytest.approx(0, abs=0.002)
+    assert built.simulator.robots[0].body.motion().position[2] == pytest.approx(0, abs=0.002)
 
 
 @pytest.mark.parametrize('suffix', ['.obj', '.stl'])
@@ -150,7 +150,7 @@ def test_casters_that_are_meshes_leave_the_wheels_on_the_floor(suffix, tmp_path)
     simulator = assembled(urdf, find_mesh=lambda uri: path).simulator
     assert velocity(simulator, 0.2)[0] == pytest.approx(0.2, rel=0.02)
     assert velocity(simulator, 0.0, 0.5)[2] == pytest.approx(TURN_SHARE * 0.5, rel=0.02)
-    assert simulator.vehicles[0].robot.motion().position[2] == pytest.approx(0, abs=2e-4)
+    assert simulator.robots[0].body.motion().position[2] == pytest.approx(0, abs=2e-4)
 
 
 @pytest.mark.parametrize('left, right, wanted', [
@@ -162,8 +162,8 @@ def test_refuses_joints_that_are_not_those_of_two_sides(left, right, wanted):
 
 def given(**parameters):
     """Return the simulator of a robot without a plugin, but with parameters."""
-    spec = read_robot(robot(), 0.001, lambda uri: None, 'robot', SENSORS,
-                      read=lambda kind, values: from_mapping(kind, {**values, **parameters}))
+    spec = from_urdf(robot(), 0.001, lambda uri: None, 'robot', SENSORS,
+                     read=lambda kind, values: from_mapping(kind, {**values, **parameters}))
     return assembly.build(PhysicsSettings(world='empty'), world_file.read('empty', {}),
                           [spec]).simulator
 
@@ -176,7 +176,7 @@ def test_without_a_plugin_a_robot_drives_by_parameters_or_stands(parameters, spe
     assert velocity(simulator, 0.4) == pytest.approx((speed, 0.0, 0.0), abs=0.004)
     measured = [motion.linear[0] for motion in odometry(simulator, 100)[-1:]]
     assert measured == ([pytest.approx(speed, abs=0.01)] if speed else [])
-    drive = simulator.vehicles[0].settings.drive
+    drive = simulator.robots[0].settings.drive
     if drive.left_joints:       # what nothing gives is measured, or that of the plugin
         assert (drive.wheel_separation, drive.wheel_diameter, drive.wheel_torque,
                 drive.wheel_acceleration) == (0.4, 0.2, 5.0, 0.0)
@@ -185,14 +185,14 @@ def test_without_a_plugin_a_robot_drives_by_parameters_or_stands(parameters, spe
 @pytest.mark.parametrize('command', [(float('nan'), 0.0, 0.0), (0.0, float('inf'), 0.0),
                                      (0.0, 0.0, float('-inf'))])
 def test_a_command_that_is_not_finite_is_refused(command):
-    vehicle, = assembled(robot(DIFFERENTIAL, FOUR)).simulator.vehicles
-    assert refusal(vehicle.command, *command).startswith('command: got [')
+    driven, = assembled(robot(DIFFERENTIAL, FOUR)).simulator.robots
+    assert refusal(driven.command, *command).startswith('command: got [')
 
 
 @pytest.mark.parametrize('tags', [DIFFERENTIAL, PLANAR])
 def test_an_endless_command_brings_no_nan(tags):
     simulator = assembled(robot(tags, FOUR)).simulator
     for _ in range(30):
-        simulator.vehicles[0].command(1e308, -1e308, 1e308)
+        simulator.robots[0].command(1e308, -1e308, 1e308)
         simulator.advance(10)
-    assert all(map(math.isfinite, simulator.vehicles[0].robot.pose().position))
+    assert all(map(math.isfinite, simulator.robots[0].body.pose().position))

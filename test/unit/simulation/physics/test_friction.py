@@ -102,7 +102,7 @@ def without_mu(urdf):
 
 def turn_rate(urdf, heading):
     simulator = assembled(urdf).simulator
-    body = simulator.vehicles[0].robot
+    body = simulator.robots[0].body
     body.place(body.pose()._replace(orientation=rotations.of_yaw(heading)))
     return velocity(simulator, 0.0, 1.5, settle_s=0.5, seconds=1.0)[2]
 
@@ -149,9 +149,9 @@ def test_two_treads_in_one_place_share_the_load():
     for wheel in ('left_0', 'right_0', 'left_1', 'right_1'):
         urdf = with_tags(urdf, wheel, '<mu1>1</mu1><mu2>1</mu2><fdir1>0 0 1</fdir1>')
     simulator = assembled(urdf).simulator
-    simulator.vehicles[0].command(0.0, 0.5)
+    simulator.robots[0].command(0.0, 0.5)
     simulator.advance(500)
-    robot_id, client = simulator.vehicles[0].robot.body_id, simulator.world.physics_client_id
+    robot_id, client = simulator.robots[0].body.body_id, simulator.world.physics_client_id
     names = {index: name for name, index in link_indices(robot_id, client).items()}
     loads = {True: 0.0, False: 0.0}
     for _ in range(200):
@@ -166,7 +166,7 @@ def test_second_contacts_of_wheels_do_not_meet_the_chassis():
     for wheel in ('left_0', 'right_0'):
         urdf = with_tags(urdf, wheel, '<mu1>0.1</mu1><mu2>0.1</mu2><fdir1>0 0 1</fdir1>')
     simulator = assembled(urdf).simulator
-    simulator.vehicles[0].command(2.0, 0.0)
+    simulator.robots[0].command(2.0, 0.0)
     simulator.advance(300)
     contacts = pybullet.getContactPoints(physicsClientId=simulator.world.physics_client_id)
     links = [contact[3:5] for contact in contacts if contact[1] == contact[2]]
@@ -177,7 +177,7 @@ def test_what_touched_is_forgotten_on_a_reset():
     simulator = sdf.simulated(box(mu(0.5, 0.5), name='low', size=(1, 1, 0.1))
                               + box(mu(0.4, 0.4), '0 0 0.15'), sdf.BUILT_IN)
     client = {'physicsClientId': simulator.world.physics_client_id}
-    body = simulator.world.bodies[1].body_id
+    body = simulator.world.scenery[1].body_id
 
     def coefficient():
         return pybullet.getDynamicsInfo(body, -1, **client)[1]

@@ -73,7 +73,7 @@ def decay(linear, angular):
 def test_what_links_say_of_the_motion_of_an_arm(link, angle):
     simulator = arm(link=link)
     simulator.advance(1000)
-    found = [value[0] for value in simulator.world.bodies[0].joint_values()] or [0.0]
+    found = [value[0] for value in simulator.world.scenery[0].joint_values()] or [0.0]
     assert found[0] == pytest.approx(angle, rel=0.02, abs=1e-6)
 
 
@@ -86,7 +86,7 @@ def test_where_a_body_is_that_is_thrown_without_gravity_or_falls(link, place):
         sdf.BUILT_IN, sdf.body('m', '0 0 50', CUBE, inside=link),
         velocities={'m': ((1, 0, 0), (0, 0, 1))} if 'gravity' in link else {})
     simulator.advance(1000)
-    motion = simulator.world.bodies[0].motion()
+    motion = simulator.world.scenery[0].motion()
     assert (*motion.position[::2], motion.yaw) == pytest.approx(place, rel=0.02, abs=1e-6)
 
 
@@ -107,9 +107,10 @@ def test_links_of_a_model_meet_where_it_says_so(model, low, high, inside, height
         heights = [place[2] for name, place in sdf.figures(simulator, 1).links().items()
                    if name.endswith('b')]
         assert heights == [pytest.approx(height, abs=0.005)]
-        trees = simulator.world.file.trees
-        simulator.world.remove(simulator.world.bodies)
-        simulator.world.add(trees)
+        world, trees = simulator.world, simulator.world.trees
+        for each in world.models[1:]:       # after the floor
+            world.remove(each)
+        world.load(trees)
 
 
 def contact(**values):
@@ -146,7 +147,7 @@ def test_each_link_of_a_world_has_its_own_friction():
     simulator = simulated(sdf.model(
         'm', sdf.link('a', '0 0 1', CUBE, surface=mu(0.1)),
         sdf.link('b', '1 0 1', CUBE, surface=mu(0.3)), hinge('a', 'b')))
-    body, client = simulator.world.bodies[0].body_id, simulator.world.physics_client_id
+    body, client = simulator.world.scenery[0].body_id, simulator.world.physics_client_id
     assert [pybullet.getDynamicsInfo(body, link, physicsClientId=client)[1]
             for link in (-1, 0)] == [0.1, 0.3]
 

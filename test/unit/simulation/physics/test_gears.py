@@ -79,8 +79,8 @@ def test_what_has_a_gearbox_can_be_reset_and_removed():
     assert joints(world)['m::jb'] == pytest.approx([0, 0], abs=1e-12)
     world.step(500)
     assert joints(world)['m::jb'] == pytest.approx(before['m::jb'])
-    tree, = world.file.trees
-    world.remove(world.bodies)
-    world.add([tree])
+    tree, = world.trees
+    world.remove(world.models[-1])
+    world.load([tree])
     world.step(500)
     assert joints(world)['m::jb'] == pytest.approx(before['m::jb'])

@@ -15,7 +15,7 @@ def inline(pose):
 
 
 def fallen(world, name, seconds):
-    body, = [body for body in world.bodies if body.name == name]
+    body, = [body for body in world.scenery if body.name == name]
     world.step(round(seconds / world.step_s))
     return body.pose().position
 

@@ -50,7 +50,7 @@ def build(base=BASE, wheel=WHEEL, caster='', roll='1.5707963', more='</robot>', 
     built = assembly.build(PhysicsSettings(world='empty'), world_file.read('empty', {}),
                            [] if is_model else [robot])
     if is_model:
-        built.simulator.world.add([Tree('cart', robot.model)])
+        built.simulator.world.load([Tree('cart', robot.model)])
     return built.simulator, robot.warnings
 
 
@@ -71,7 +71,7 @@ def test_robots_drive_as_fast_as_asked(name):
     # wheels that turn so easily do not roll on their outer edges alone
     share, rel = (1.0, 0.1) if 'without moments' in name else (TURN_SHARE, 0.025)
     assert velocity(simulator, 0.0, 0.5) == pytest.approx((0, 0, share * 0.5), rel=rel, abs=0.005)
-    assert simulator.vehicles[0].robot.motion().position[2] == pytest.approx(0, abs=0.002)
+    assert simulator.robots[0].body.motion().position[2] == pytest.approx(0, abs=0.002)
 
 
 @pytest.mark.parametrize('parts, words', [
@@ -103,7 +103,7 @@ ARM = '''<link name="arm"><inertial><origin xyz="0.15 0 0"/><mass value="0.2"/>
     ('Effort', -1.5, 1.5)])
 def test_ros_control_holds_an_arm_that_nothing_commands(interface, lower, angle, is_model):
     simulator, _ = build(more=ARM.format(lower, interface), is_model=is_model)
-    body = simulator.world.bodies[-1] if is_model else simulator.vehicles[0].robot
+    body = simulator.world.scenery[-1] if is_model else simulator.robots[0].body
     simulator.advance(1000)
     assert body.pose().joints[list(body.joints).index('arm_joint')] == pytest.approx(
         angle, abs=0.01)

@@ -77,7 +77,7 @@ def test_a_direction_that_leans_presses_a_locked_wheel_onto_the_floor_or_lifts_i
 @pytest.mark.parametrize('surface', [ISOTROPIC, DIRECTED(0.5, LEVEL)])
 def test_a_robot_that_falls_onto_its_wheels_does_not_bounce(surface):
     simulator = four_wheeled(0, 0.03, *LONG, surface)
-    body = simulator.world.bodies[0]
+    body = simulator.world.scenery[0]
     heights = []
     for _ in range(500):
         simulator.advance(1)

@@ -46,7 +46,7 @@ def simulated(*models, **more):
 
 def asleep(simulator):
     """Return the names of the bodies that sleep, without those of their links."""
-    return {body.name.partition('::')[0] for body in simulator.world.bodies
+    return {body.name.partition('::')[0] for body in simulator.world.scenery
             if body.body_id in simulator.world.sleeping.asleep}
 
 
@@ -55,14 +55,14 @@ def position(simulator, name):
 
 
 def drive(simulator, velocity):
-    body = next(body for body in simulator.world.bodies if body.joints)
+    body = next(body for body in simulator.world.scenery if body.joints)
     body.set_motor('j', velocity, 2000)
 
 
 def bits(simulator):
     """Return where all bodies are and how they move, to the last bit."""
     client = simulator.world.physics_client_id
-    return [read(body.body_id, physicsClientId=client) for body in simulator.world.bodies
+    return [read(body.body_id, physicsClientId=client) for body in simulator.world.scenery
             for read in (pybullet.getBasePositionAndOrientation, pybullet.getBaseVelocity)]
 
 
@@ -79,7 +79,7 @@ def test_what_falls_asleep(model, sleeps):
     simulator = simulated(model)
     simulator.advance(1900)
     assert asleep(simulator) == ({'b'} if sleeps else set())
-    for body in simulator.world.bodies:
+    for body in simulator.world.scenery:
         if sleeps:
             assert body.speed() == 0
 
@@ -94,8 +94,8 @@ def test_what_a_urdf_says(inside, sleeps):
                         '</link>{}</robot>'.format(inside))
     simulator = simulated()
     model = lumped(urdf.read(root, lambda uri: None))
-    simulator.world.add([Tree('b', model, IDENTITY._replace(translation=IDENTITY.translation
-                                                            + (0, 0, 0.1)))])
+    simulator.world.load([Tree('b', model, IDENTITY._replace(
+        translation=IDENTITY.translation + (0, 0, 0.1)))])
     simulator.advance(1500)
     assert asleep(simulator) == ({'b'} if sleeps else set())
 
@@ -139,10 +139,10 @@ WAYS = {
     'delete': (lambda sim: Models(sim).remove('b0'), 'b2', (0, -1)),
     'delete table': (lambda sim: Models(sim).remove('table'), 't', (0, -1)),
     'gravity': (lambda sim: sim.world.set_gravity((0, 0, 2)), 'b0', (0, 1)),
-    'spawn': (lambda sim: sim.world.add(
-        simulated(box('new', '0.15 0 0.7', mass=9)).world.file.trees), 'b2', (-1, 0)),
-    'spawn static': (lambda sim: sim.world.add(simulated(sdf.body(
-        'new', '-0.19 0 0.1', CUBE, static=True)).world.file.trees), 'b0', (1, 0)),
+    'spawn': (lambda sim: sim.world.load(
+        simulated(box('new', '0.15 0 0.7', mass=9)).world.trees), 'b2', (-1, 0)),
+    'spawn static': (lambda sim: sim.world.load(simulated(sdf.body(
+        'new', '-0.19 0 0.1', CUBE, static=True)).world.trees), 'b0', (1, 0)),
     'hit': (lambda sim: drive(sim, 1.0), 'b0', (1, 0))}
 
 
@@ -165,7 +165,7 @@ def test_what_wakes(way):
         drive(simulator, -1.0)
     simulator.world.set_gravity((0, 0, -9.8))
     simulator.advance(4000)
-    still = {body.name for body in simulator.world.bodies if not (body.fixed or body.joints)}
+    still = {body.name for body in simulator.world.scenery if not (body.fixed or body.joints)}
     assert asleep(simulator) == {name.partition('::')[0] for name in still}
 
 
@@ -198,7 +198,7 @@ def test_a_ray_hits_what_was_moved_in_its_sleep():
         move(simulator, 'b', position=(x, 0, 0.1))
         (hit,) = pybullet.rayTest((x - 1, 0, 0.1), (x + 1, 0, 0.1),
                                   physicsClientId=simulator.world.physics_client_id)
-        assert hit[0] == simulator.world.bodies[0].body_id
+        assert hit[0] == simulator.world.scenery[0].body_id
         simulator.advance(1500)
 
 

@@ -34,7 +34,7 @@ def heights(sim, steps=1000):
     found = []
     for _ in range(steps // 10):
         sim.advance(10)
-        found.append(sim.vehicles[0].robot.motion().position[2])
+        found.append(sim.robots[0].body.motion().position[2])
     return found
 
 
@@ -50,11 +50,11 @@ def test_a_robot_with_its_root_at_the_axle_is_lifted_out_of_the_floor_and_drives
                               'was lifted onto it by 0.033 m',)
     sim = built.simulator
     assert stands(sim, 0.033)
-    sim.vehicles[0].command(0.2, 0.0)
+    sim.robots[0].command(0.2, 0.0)
     sim.advance(1000)
-    start = sim.vehicles[0].robot.motion().position
+    start = sim.robots[0].body.motion().position
     sim.advance(2000)
-    assert sim.vehicles[0].robot.motion().position - start == pytest.approx([0.4, 0, 0], abs=0.004)
+    assert sim.robots[0].body.motion().position - start == pytest.approx([0.4, 0, 0], abs=0.004)
 
 
 @pytest.mark.parametrize('kind', ['mesh', 'box'])
@@ -64,13 +64,13 @@ def test_a_robot_in_a_floor_above_zero_is_lifted_onto_it(world, kind, height):
     assert built.warnings == ('turtlebot3_burger: at z_pos 0 m it would be in hall; it was lifted '
                               'onto it by {:.3f} m'.format(height),)
     assert stands(built.simulator, height)
-    assert built.simulator.touched(built.simulator.vehicles[0].robot) == []
+    assert built.simulator.touched(built.simulator.robots[0].body) == []
 
 
 @pytest.mark.parametrize('z, height', [(0.4, 0.4), (0.0, 0.0), (-0.5, 0.0), (0.003, 0.003)])
 def test_only_what_is_in_something_is_lifted(z, height):
     built = assemble(z=z)
-    assert built.simulator.vehicles[0].robot.motion().position[2] == pytest.approx(
+    assert built.simulator.robots[0].body.motion().position[2] == pytest.approx(
         height, abs=1e-4)
     assert len(built.warnings) == (z < 0)
 
@@ -83,10 +83,10 @@ def test_what_is_in_a_wall_is_lifted_out_of_the_floor_alone(world):
 
 def test_it_is_lifted_again_wherever_it_is_put(world):
     sim = simulator(world('mesh', 0.04))
-    vehicle, models = sim.vehicles[0], Models(sim)
+    robot, models = sim.robots[0], Models(sim)
     for put, height in ((sim.reset_world, 0.04),
-                        (lambda: vehicle.move_to(5.0, 0.0, 1.0), 0.0),      # beside that floor
-                        (lambda: vehicle.move_to(1.0, 1.0, 1.0), 0.04),
+                        (lambda: robot.move_to(5.0, 0.0, 1.0), 0.0),      # beside that floor
+                        (lambda: robot.move_to(1.0, 1.0, 1.0), 0.04),
                         (lambda: models.set_state(NAME, State(REST, UPRIGHT, REST, REST)), 0.04)):
         sim.advance(100)
         put()
@@ -109,11 +109,11 @@ def test_robots_are_added_on_a_floor_above_zero(world, has_place):
     warning, = assembly.add_robot_apart(sim, read(burger()).renamed('second')._replace(
         settings=settings_of(*place), has_place=has_place))
     assert warning.startswith('second: ') and warning.endswith(' by 0.020 m')
-    first, second = (vehicle.robot.motion().position for vehicle in sim.vehicles)
+    first, second = (robot.body.motion().position for robot in sim.robots)
     assert second[2] == pytest.approx(0.02, abs=0.001)
     assert np.hypot(*(second - first)[:2]) > 0.25
     sim.reset_world()
-    assert sim.vehicles[1].robot.motion().position == pytest.approx(second, abs=1e-6)
+    assert sim.robots[1].body.motion().position == pytest.approx(second, abs=1e-6)
 
 
 class Boxes:

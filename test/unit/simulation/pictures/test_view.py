@@ -117,7 +117,7 @@ def test_the_view_ends_under_the_lowest_roof_above_a_robot(boxes, height):
     shelves = (shelf(*box).replace('shelf', 'shelf{}'.format(number))
                for number, box in enumerate(boxes))
     simulator = robots.simulator(sdf.sdf(*shelves))
-    assert view.ceiling(simulator.world, [simulator.vehicles[0].robot]) == pytest.approx(
+    assert view.ceiling(simulator.world, [simulator.robots[0].body]) == pytest.approx(
         height, abs=0.01)
 
 
@@ -163,10 +163,10 @@ class Requests:
 def test_copy_has_the_bodies_at_their_poses_and_maybe_a_floor(floor):
     assembly = robots.assemble('turtlebot3_world', -2.0, -0.5)
     poses, client = poses_of(assembly.simulator), connect()
-    assert len(poses) == 2 and poses[0].position[:2] == pytest.approx((-2.0, -0.5))
+    assert len(poses) == 2 and poses[1].position[:2] == pytest.approx((-2.0, -0.5))
     copy = SceneCopy(assembly.scene, client, floor)
     assert pybullet.getNumBodies(physicsClientId=client) == 2 + floor
-    moved = [poses[0]._replace(position=(1.0, 2.0, 0.0)), poses[1]]
+    moved = [poses[0], poses[1]._replace(position=(1.0, 2.0, 0.0))]
     copy.place(moved)
     assert [body.pose().position for body in copy.bodies] == [
         pytest.approx(pose.position, abs=1e-6) for pose in moved]
@@ -189,9 +189,9 @@ def test_joints_of_a_copy_are_those_of_a_skid_steered_robot_with_a_joint_more():
     # the arm before the wheels, too
     for urdf in (robot, robot.replace(arm, '').replace('<link', arm + '<link', 1)):
         sim = wheeled.assembled(urdf).simulator
-        sim.vehicles[0].command(0.5, 1.0)
+        sim.robots[0].command(0.5, 1.0)
         sim.advance(500)
-        body = sim.vehicles[0].robot
+        body = sim.robots[0].body
         pybullet.resetJointState(body.body_id, body.joints['arm_joint'], 0.7,
                                  physicsClientId=body.physics_client_id)
         copy = SceneCopy(scene_of(sim), connect(), False)

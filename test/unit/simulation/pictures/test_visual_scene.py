@@ -39,13 +39,13 @@ def test_parts_are_the_links_of_robots_and_world():
     scene, parts = read(assemble(HALL, x=0.5, y=0.25, yaw=1.0))
     numbers = parts.numbers()
     assert [sorted(each.values()) for each in numbers] == [
-        list(range(len(numbers[0]))), [len(numbers[0])], [len(numbers[0]) + 1]]
-    assert {'base_footprint', 'wheel_left_link'} <= set(numbers[0]) and list(numbers[1]) == ['l']
-    assert scene.moving == (True,) * len(numbers[0]) + (False, True)
+        [0], [1], list(range(2, 2 + len(numbers[2])))]
+    assert {'base_footprint', 'wheel_left_link'} <= set(numbers[2]) and list(numbers[0]) == ['l']
+    assert scene.moving == (False, True) + (True,) * len(numbers[2])
     poses = parts.poses()
     assert poses.shape == (len(scene.moving), 7)
-    assert poses[0] == pytest.approx([0.5, 0.25, 0, 0, 0, math.sin(0.5), math.cos(0.5)], abs=1e-6)
-    assert poses[-2, :3] == pytest.approx([1, 2, 1]) and poses[-1, :3] == pytest.approx(
+    assert poses[2] == pytest.approx([0.5, 0.25, 0, 0, 0, math.sin(0.5), math.cos(0.5)], abs=1e-6)
+    assert poses[0, :3] == pytest.approx([1, 2, 1]) and poses[1, :3] == pytest.approx(
         [-1, 0, 0.1])
 
 
@@ -53,27 +53,27 @@ def test_poses_are_those_of_now():
     built = assemble(HALL)
     _, parts = read(built)
     before = parts.poses()
-    built.simulator.vehicles[0].command(0.2, 0.0)
+    built.simulator.robots[0].command(0.2, 0.0)
     built.simulator.advance(2000)
     after = parts.poses()
-    assert after[0, 0] == pytest.approx(built.simulator.vehicles[0].robot.pose().position[0])
-    assert after[0, 0] > before[0, 0] + 0.2
-    wheel = parts.numbers()[0]['wheel_left_link']
-    assert after[wheel, :3] - after[0, :3] == pytest.approx(before[wheel, :3] - before[0, :3],
+    assert after[2, 0] == pytest.approx(built.simulator.robots[0].body.pose().position[0])
+    assert after[2, 0] > before[2, 0] + 0.2
+    wheel = parts.numbers()[2]['wheel_left_link']
+    assert after[wheel, :3] - after[2, :3] == pytest.approx(before[wheel, :3] - before[2, :3],
                                                             abs=2e-3)
     assert abs(after[wheel, 3:] - before[wheel, 3:]).max() > 0.1      # it has turned
-    assert np.array_equal(after[-2], before[-2])
+    assert np.array_equal(after[0], before[0])
 
 
 def test_a_simulation_without_bodies_has_no_poses():
     sim = assemble().simulator
-    sim.remove(sim.vehicles[0])
+    sim.world.remove(sim.robots[0])
     assert Parts(sim).poses().shape == (0, 7)
 
 
 def test_visuals_of_the_world():
     scene, parts = read(assemble(HALL))
-    shelf = parts.numbers()[1]['l']
+    shelf = parts.numbers()[0]['l']
     visual, = [each for each in scene.visuals if each.part == shelf]
     assert visual.shape == Shape(SPHERE, (0.1,)) and visual.pose[:3, 3].tolist() == [0, 0, 0.5]
     assert visual.material == WHITE
@@ -112,7 +112,7 @@ def test_a_plane_is_the_upper_side_of_its_box():
 def test_a_camera_on_the_robot_reads_its_pose_and_all_others():
     built = assemble(x=1.0, y=2.0, yaw=math.pi / 2)
     parts = Parts(built.simulator)
-    camera = RobotCamera(built.simulator.vehicles[0].robot, CameraSettings(
+    camera = RobotCamera(built.simulator.robots[0].body, CameraSettings(
         camera_frame='base_link', camera_x=0.1, camera_z=0.2, camera_pitch=math.pi / 2),
         parts.poses)
     exposure = camera.read()
@@ -128,7 +128,7 @@ def test_both_links_of_a_body_have_poses():
             '</link><joint name="j" type="revolute"><parent>a</parent><child>b</child><axis><xyz>'
             '0 0 1</xyz></axis></joint>')
     poses = Parts(assemble(sdf(model('m', door))).simulator).poses()
-    assert poses[-2:, :3] == pytest.approx(np.array([[3.0, 0, 1], [3, 0, 2]]))
+    assert poses[:2, :3] == pytest.approx(np.array([[3.0, 0, 1], [3, 0, 2]]))
 
 
 def test_the_frame_of_the_images_is_where_the_camera_is():
@@ -147,7 +147,7 @@ def test_a_link_that_is_not_turned_like_an_image_is_warned_of(turn, is_warned):
         '<link name="lens"/><joint name="j" type="fixed"><parent link="base_scan"/><child '
         'link="lens"/><origin rpy="{}"/></joint>'.format(turn))
     robot = assemble(yaw=1.0, urdf=burger().replace(
-        '</robot>', link + '</robot>')).simulator.vehicles[0].robot
+        '</robot>', link + '</robot>')).simulator.robots[0].body
     line = robot_camera.warning_about_frame(robot, CameraSettings(
         camera_frame='base_scan', camera_optical_frame='lens'))
     assert line.startswith('the images of the camera on base_scan have the frame lens, a link '
@@ -159,15 +159,15 @@ def test_a_link_that_is_not_turned_like_an_image_is_warned_of(turn, is_warned):
 def test_a_mounted_camera_is_read_at_its_rate_while_it_is_enabled():
     built = assemble(cameras=[CameraSettings(camera_frame='base_link', camera_rate=rate)
                               for rate in (30.0, 10.0)])
-    vehicle = built.simulator.vehicles[0]
-    name, second = vehicle.cameras
+    robot = built.simulator.robots[0]
+    name, second = robot.cameras
 
     def times(sensor, steps):
         return [round(each.time_s, 6) for each in built.simulator.advance(steps)
                 if each.sensor == sensor]
     assert (name, second) == ('camera', 'camera_2') and times(name, 100) == []
-    vehicle.set_sensor_enabled(name, True)
+    robot.set_sensor_enabled(name, True)
     assert times(name, 100) == [0.132, 0.165, 0.198]
-    vehicle.set_sensor_enabled(name, False)
-    vehicle.set_sensor_enabled(second, True)
+    robot.set_sensor_enabled(name, False)
+    robot.set_sensor_enabled(second, True)
     assert times(name, 1) == [] and times(second, 299) == [0.3, 0.4, 0.5]

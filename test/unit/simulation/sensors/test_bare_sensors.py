@@ -42,8 +42,8 @@ def test_rays_without_some_of_their_tags(tmp_path, sensor, ranges):
                                                          pose='0 0 0.3', static=True)))
     simulator = assemble.simulator(PhysicsSettings(world=str(path)), with_sensors=True,
                                    with_bare=True).simulator
-    carrier, = simulator.carriers
-    assert carrier.measure()['scan'] == pytest.approx(ranges, abs=1e-5)
+    mounted, = simulator.sensors
+    assert mounted.measure()['scan'] == pytest.approx(ranges, abs=1e-5)
 
 
 def test_sensors_of_plugins_without_their_tags():

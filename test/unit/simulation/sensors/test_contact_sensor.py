@@ -4,7 +4,7 @@ import pybullet
 import pytest
 
 from img_recog.conversions.sensor_table import SENSORS
-from img_recog.simulation.robot_spec import read_robot
+from img_recog.simulation.configured_model import from_urdf
 from img_recog.simulation.sensors import contact_sensor
 from img_recog_helpers import robots, sdf
 
@@ -29,7 +29,7 @@ KINDS = tuple(kind._replace(missing='') for kind in SENSORS)
 def simulator():
     urdf = robots.burger('').replace(
         '</robot>', BAR.format('bar', 0.11) + BAR.format('back', -0.2) + TAG + '</robot>')
-    robot = read_robot(urdf, 0.001, lambda uri: None, 'robot', KINDS)
+    robot = from_urdf(urdf, 0.001, lambda uri: None, 'robot', KINDS)
     return robots.build(WALL, [robot.changed(
         spawn=robots.settings_of(x=0.7).spawn, drive=robots.burgers_drive())]).simulator
 
@@ -39,27 +39,27 @@ def touches(sim, steps):
 
 
 def test_a_bumper_reports_the_wall_and_neither_the_floor_nor_other_parts(simulator):
-    vehicle = simulator.vehicles[0]
+    robot = simulator.robots[0]
     assert touches(simulator, 500) == [[]] * 25
-    vehicle.command(0.2, 0.0)
+    robot.command(0.2, 0.0)
     touch, = touches(simulator, 1500)[-1]
-    assert (touch.own, touch.other) == (vehicle.robot.name + '::bar', 'wall::l')
+    assert (touch.own, touch.other) == (robot.body.name + '::bar', 'wall::l')
     assert touch.positions[:, 0] == pytest.approx(0.9, abs=0.003)
     assert np.all(np.abs(touch.positions[:, 1]) < 0.06)
     assert touch.normals == pytest.approx(np.tile([-1, 0, 0], (len(touch.positions), 1)), abs=0.02)
     assert touch.forces[:, 0].sum() < -0.5
     assert touch.depths.min() >= 0 and touch.depths.max() < 0.003
-    vehicle.command(0.05, 1.5)      # it rubs along the wall to the left
+    robot.command(0.05, 1.5)      # it rubs along the wall to the left
     forces = np.concatenate([touch.forces for found in touches(simulator, 200) for touch in found])
     assert -1.001 < forces[:, 1].sum() / -forces[:, 0].sum() < -0.02   # mu is 1
-    vehicle.command(-0.2, 0.0)
+    robot.command(-0.2, 0.0)
     assert touches(simulator, 1000)[-1] == []
-    vehicle.move_to(0.775, 0.0, 0.0)        # 5 mm from the wall
+    robot.move_to(0.775, 0.0, 0.0)        # 5 mm from the wall
     assert touches(simulator, 20)[-1] == []
 
 
 def test_its_shapes_move_with_the_link_that_it_is_fixed_to(simulator):
-    robot = simulator.vehicles[0].robot
+    robot = simulator.robots[0].body
     index, = robot.surfaces('bar')
     assert robot.surfaces('bar') == {index: 'bar'} and robot.surfaces('back') == {}
     assert robot.mass() == pytest.approx(1.0017, abs=1e-3)
@@ -68,7 +68,7 @@ def test_its_shapes_move_with_the_link_that_it_is_fixed_to(simulator):
 def test_without_its_message_a_bumper_is_reported_with_the_reason():
     kinds = tuple(kind._replace(missing='no x' if kind.name == 'contact' else '')
                   for kind in SENSORS)
-    robot = read_robot(robots.burger('').replace(
+    robot = from_urdf(robots.burger('').replace(
         '</robot>', BAR.format('bar', 0.11) + TAG + '</robot>'), 0.001, lambda uri: None,
         'robot', kinds)
     assert 'sensor contact (no x)' in robot.not_simulated

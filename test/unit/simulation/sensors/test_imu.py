@@ -34,15 +34,15 @@ def test_noise_is_as_large_as_it_says():
 def test_driving_off_pushes_forward():
     sim = simulator(imu=QUIET)
     sim.advance(1000)
-    sim.vehicles[0].command(0.4, 0.0)
+    sim.robots[0].command(0.4, 0.0)
     force = np.mean([value.linear_acceleration for value in measure(sim, 300)], axis=0)
-    assert force[0] == pytest.approx(sim.vehicles[0].robot.motion().linear[0] / 0.3, rel=0.1)
+    assert force[0] == pytest.approx(sim.robots[0].body.motion().linear[0] / 0.3, rel=0.1)
     assert force[0] > 0.5
 
 
 def test_a_reset_is_not_an_acceleration():
     sim = simulator(imu=QUIET)
-    sim.vehicles[0].command(1.0, 0.0)
+    sim.robots[0].command(1.0, 0.0)
     sim.advance(1000)
     sim.reset_world()
     first = measure(sim, 5)[0]

@@ -14,7 +14,7 @@ ANGLES = np.linspace(0.0, 6.28319, 360)
 def scan(sim):
     """Return the first scan and where its origin is in the world."""
     reading = next(each for each in sim.advance(200) if each.sensor == 'scan')
-    return reading.value, sim.vehicles[0].robot.motion('base_scan')
+    return reading.value, sim.robots[0].body.motion('base_scan')
 
 
 @pytest.mark.parametrize('x, y, yaw', [(-2.0, -0.5, 0.0), (0.5, 0.4, 1.0), (1.9, -0.6, -2.5)])

@@ -31,8 +31,8 @@ def planar(motion):
 
 def test_world_is_the_true_pose_of_the_root_link_by_default():
     sim = simulator(x=3.0, y=-2.0, yaw=0.5)
-    sim.vehicles[0].command(0.2, 0.5)
-    odometry, true = last_odometry(sim, 990), sim.vehicles[0].robot.motion('base_footprint')
+    sim.robots[0].command(0.2, 0.5)
+    odometry, true = last_odometry(sim, 990), sim.robots[0].body.motion('base_footprint')
     for got, wanted in zip(odometry, true):
         assert got == pytest.approx(wanted, abs=1e-12)
     assert odometry.position[0] > 3.05
@@ -44,7 +44,7 @@ def test_world_is_the_true_pose_of_base_frame():
     # the scanner sits 0.032 m behind the root link's origin and 0.182 m above
     position = last_odometry(sim, 33).position
     assert position == pytest.approx([3.0, -2.032, 0.182], abs=0.002)
-    sim.vehicles[0].command(0.0, 1.0)
+    sim.robots[0].command(0.0, 1.0)
     odometry = last_odometry(sim, 1980)
     assert odometry.linear[1] == pytest.approx(-0.032, abs=0.003)   # it is swung to its right
     assert odometry.angular[2] == pytest.approx(1.0, rel=0.02)
@@ -54,16 +54,16 @@ def test_a_base_frame_that_is_no_link_is_a_name_for_the_root_link():
     settings = OdometrySettings(base_frame='robot1/base_link')
     sim = simulator(x=3.0, y=-2.0, odometry=settings)
     assert last_odometry(sim, 33).position == pytest.approx([3.0, -2.0, 0.0], abs=0.002)
-    assert sim.vehicles[0].odometry.base_frame == 'robot1/base_link'
+    assert sim.robots[0].odometry.base_frame == 'robot1/base_link'
 
 
 def test_encoder_starts_at_zero_wherever_it_stands_and_counts_a_straight_way():
     sim = simulator(x=-1.0, y=4.0, yaw=2.5, odometry=ENCODER)
     assert planar(last_odometry(sim, 33)) == pytest.approx([0, 0, 0], abs=1e-3)
-    start = sim.vehicles[0].robot.motion()
-    sim.vehicles[0].command(0.2, 0.0)
+    start = sim.robots[0].body.motion()
+    sim.robots[0].command(0.2, 0.0)
     odometry = last_odometry(sim, 33 * 95)
-    true = since(start, sim.vehicles[0].robot.motion())
+    true = since(start, sim.robots[0].body.motion())
     assert true[0] == pytest.approx(0.6, abs=0.03)
     assert planar(odometry) == pytest.approx(true, abs=0.01)
     assert odometry.position[2] == 0.0
@@ -72,10 +72,10 @@ def test_encoder_starts_at_zero_wherever_it_stands_and_counts_a_straight_way():
 @pytest.mark.parametrize('speed, turn', [(0.2, 0.4), (0.2, -0.4), (-0.2, 0.4)])
 def test_encoder_follows_an_arc(speed, turn):
     sim = simulator(x=1.0, y=2.0, yaw=-2.0, odometry=ENCODER)
-    start = sim.vehicles[0].robot.motion()
-    sim.vehicles[0].command(speed, turn)
+    start = sim.robots[0].body.motion()
+    sim.robots[0].command(speed, turn)
     odometry = last_odometry(sim, 33 * 90)          # 1.2 rad, of a radius of 0.5 m
-    true = since(start, sim.vehicles[0].robot.motion())
+    true = since(start, sim.robots[0].body.motion())
     assert math.copysign(1, true[2]) == math.copysign(1, turn) and abs(true[2]) > 1.0
     assert planar(odometry) == pytest.approx(true, abs=0.03)     # the tyres slip a little
     assert np.linalg.norm(odometry.orientation) == pytest.approx(1.0)
@@ -83,7 +83,7 @@ def test_encoder_follows_an_arc(speed, turn):
     assert odometry.linear == pytest.approx([speed, 0, 0], abs=0.003)
     assert odometry.angular == pytest.approx([0, 0, turn], abs=0.01)
     assert odometry.linear[0] == pytest.approx(
-        sim.vehicles[0].robot.motion().linear[0], rel=0.03)
+        sim.robots[0].body.motion().linear[0], rel=0.03)
 
 
 class Wheels:
@@ -123,16 +123,16 @@ def test_encoder_counts_a_circle_exactly_where_no_wheel_slips(radius):
 def test_encoder_misses_that_the_wheels_slip():
     # a robot against a wall: the wheels turn on, and the true pose does not
     sim = simulator('turtlebot3_world', x=2.4, y=-0.5, odometry=ENCODER)
-    start = sim.vehicles[0].robot.motion()
-    sim.vehicles[0].command(0.22, 0.0)
+    start = sim.robots[0].body.motion()
+    sim.robots[0].command(0.22, 0.0)
     odometry = last_odometry(sim, 33 * 100)
-    assert odometry.position[0] > since(start, sim.vehicles[0].robot.motion())[0] + 0.3
+    assert odometry.position[0] > since(start, sim.robots[0].body.motion())[0] + 0.3
 
 
 @pytest.mark.parametrize('reset', ['reset_world', 'reset_simulation'])
 def test_encoder_is_at_zero_after_a_reset(reset):
     sim = simulator(x=1.0, yaw=1.0, odometry=ENCODER)
-    sim.vehicles[0].command(0.2, 0.5)
+    sim.robots[0].command(0.2, 0.5)
     assert last_odometry(sim, 990).position[0] > 0.05
     getattr(sim, reset)()
     odometry = last_odometry(sim, 33)

@@ -40,8 +40,8 @@ def readings(sim, steps=100):
 
 
 def mount_of(sim):
-    vehicle = sim.vehicles[0]
-    return Mount(vehicle.robot, sim.world, np.random.RandomState(), vehicle.drive)
+    robot = sim.robots[0]
+    return Mount(robot.body, sim.world, np.random.RandomState(), robot.drive)
 
 
 def scanner_of(sim, scan_frame='base_scan', **settings):
@@ -54,7 +54,7 @@ def test_rays_by_pybullet_go_through_the_robot_as_far_as_by_geometry():
                          scan_angle_max=6.28319, scan_range_min=0.05, scan_range_max=4.0)
     bundle = scanner.bundle()
     without = built()
-    without.vehicles[0].move_to(-50.0, 0.0, 0.0)
+    without.robots[0].move_to(-50.0, 0.0, 0.0)
     (expected,), _ = without.world.solids.distances(bundle)
     expected[expected > 4.0] = np.inf
     assert scanner.cast(bundle) == pytest.approx(expected, abs=0.002)
@@ -86,9 +86,9 @@ def test_each_sensor_measures_from_its_link_and_pose_whatever_the_frame_is_calle
     assert found['scan'] == pytest.approx([1.4], abs=0.002)
     assert found['scan_2'] == pytest.approx([1.1], abs=0.002)
     assert found['range'] == pytest.approx(1.4 / math.cos(math.pi / 6), abs=0.004)
-    vehicle = sim.vehicles[0]
-    assert [each.name for each in vehicle.sensors] == ['scan', 'scan_2', 'range']
-    assert [vehicle.settings.sensors[name].scan_frame for name in ('scan', 'scan_2')] == [
+    robot = sim.robots[0]
+    assert [each.name for each in robot.spec.sensors] == ['scan', 'scan_2', 'range']
+    assert [robot.settings.sensors[name].scan_frame for name in ('scan', 'scan_2')] == [
         'nowhere', 'imu_link']
 
 
@@ -182,7 +182,7 @@ def test_the_unit_of_the_official_burger_is_that_of_the_plugin(kept, frame):
         '</noise></imu></plugin></gazebo><gazebo reference="imu_joint"><{0}>true</{0}></gazebo>'
         ).format(kept or 'material'))
     sim.advance(1000)
-    settings = sim.vehicles[0].settings.sensors['imu']
+    settings = sim.robots[0].settings.sensors['imu']
     message = robot_msgs.imu_to_msg(readings(sim)['imu'], settings, robot_msgs.stamp_of(1.0))
     assert (message.header.frame_id, settings.imu_period_s) == (frame, 0.001)
     values = [each.value for each in sim.advance(50) if each.sensor == 'imu']
@@ -198,7 +198,7 @@ def test_joint_states_are_those_that_the_plugin_names_without_efforts():
               '<jointName>wheel_left_joint, nose_joint, wheel_right_joint</jointName></plugin>'
               '</gazebo>')
     sim = built(plugin)
-    sim.vehicles[0].command(0.2, 0.5)
+    sim.robots[0].command(0.2, 0.5)
     states = readings(sim, 500)['joint_states']
     message = robot_msgs.joint_states_to_msg(states, None, robot_msgs.stamp_of(0.5))
     assert message.name == ['wheel_left_joint', 'wheel_right_joint'] and message.effort == []

@@ -1,4 +1,4 @@
-"""A body with sensors that are read once in a period each."""
+"""The sensors of a body; each is read once in a period."""
 import dataclasses
 import sys
 from typing import Any, Collection, Dict, List, NamedTuple, Optional, Set
@@ -8,12 +8,10 @@ import numpy as np
 from img_recog.simulation.physics.drive import Drive
 from img_recog.simulation.physics.framed_body import FramedBody
 from img_recog.simulation.physics.world import World
-from img_recog.simulation.robot_spec import RobotSpec
+from img_recog.simulation.configured_model import ConfiguredModel
 from img_recog.simulation.sensors.ray_sensor import RaySensor
 from img_recog.simulation.sensors.robot_camera import RobotCamera
-from img_recog.simulation.sensors.sensor import Mount, RobotSensor, ScheduledSensor
-
-_NEVER = sys.maxsize
+from img_recog.simulation.sensors.sensor import Mount, ConfiguredSensor, ScheduledSensor
 
 
 class Reading(NamedTuple):
@@ -30,47 +28,52 @@ class Reading(NamedTuple):
     value: Any
 
 
-class Carrier:
-    """A model with sensors: one that stands in the world, or as a Vehicle, a robot that drives.
+class MountedSensors:
+    """The sensors of one body.
 
-    spec: what it was made from; robot: the body; settings: those of all sensors, in which an
-    empty frame is the root link; missing_sensors: those that were left out, and the links for
-    them that the robot does not have.
+    Attributes:
+        spec: Configuration from which the sensors were made.
+        body: Body whose links carry the sensors.
+        settings: Settings of all sensors, in which an empty frame is the root link.
+        missing: Links that the body does not have, by the names of the sensors that are left out.
     """
 
-    def __init__(self, spec: RobotSpec, world: World, robot: FramedBody,
+    def __init__(self, spec: ConfiguredModel, world: World, body: FramedBody,
                  drive: Optional[Drive] = None):
-        """Mount the sensors; SimulationError when a setting does not fit."""
-        self.spec, self.sensors, self.robot, self._world = spec, spec.sensors, robot, world
+        """Mount the sensors.
+
+        Raises:
+            SimulationError: if a setting does not fit.
+        """
+        self.spec, self.body, self._world = spec, body, world
         self.settings = dataclasses.replace(spec.settings, sensors={
             each.name: _with_root(spec.settings.sensors.get(each.name) or each.kind.settings(),
-                                  robot.model.root) for each in self.sensors})
-        self._drive_steps, self._drives_from = _NEVER, 0
+                                  body.model.root) for each in spec.sensors})
         self._sensors: Dict[str, ScheduledSensor] = {}
-        self.missing_sensors: Dict[str, str] = {}
-        for each in self.sensors:
+        self.missing: Dict[str, str] = {}
+        for each in spec.sensors:
             self._mount(each, self.settings.sensors[each.name], drive)
         self._enabled = [each for each in self._sensors.values() if each.enabled]
         self._steps: Optional[int] = None       # the last ones that it was told of
 
-    def _mount(self, sensor: RobotSensor, settings: Any, drive: Optional[Drive]) -> None:
+    def _mount(self, sensor: ConfiguredSensor, settings: Any, drive: Optional[Drive]) -> None:
         """Add a sensor, but not when only its tag or the default names a link that is missing."""
         kind, place = sensor.kind, sensor.place
         link = place.link if place else kind.frame(settings)
         of_file = kind.frame(kind.settings()), sensor.values.get(kind.name + '_frame')
-        if link and not self.robot.has_frame(link) and (place or link in of_file):
-            self.missing_sensors[sensor.name] = link
+        if link and not self.body.has_frame(link) and (place or link in of_file):
+            self.missing[sensor.name] = link
             return
         mount = ''
         if place:
             mount = 'sensor ' + sensor.name
-            self.robot.add_mount(mount, *place)
+            self.body.add_mount(mount, *place)
         # a generator each: the noise of one sensor does not depend on whether another is read
         noise = np.random.RandomState((self.settings.noise.seed, kind.noise_number)
                                       + (sensor.number,) * bool(sensor.number))
         self._sensors[sensor.name] = ScheduledSensor(
             sensor.name, kind.name, kind.period_steps(settings, self._world.step_s),
-            kind.make(Mount(self.robot, self._world, noise, drive, mount, link,
+            kind.make(Mount(self.body, self._world, noise, drive, mount, link,
                             sensor.values.get(kind.name + '_noises', ())), settings), noise)
         self._sensors[sensor.name].enabled = not kind.is_drawn
 
@@ -80,7 +83,7 @@ class Carrier:
         return {name: scheduled.sensor for name, scheduled in self._sensors.items()
                 if isinstance(scheduled.sensor, RobotCamera)}
 
-    def set_sensor_enabled(self, sensor: str, enabled: bool) -> None:
+    def set_enabled(self, sensor: str, enabled: bool) -> None:
         """Enable or disable a sensor; does nothing when the robot does not have it.
 
         Sensors do not influence how the robot moves. The noise of a reading is the same whether
@@ -100,29 +103,20 @@ class Carrier:
         self._enabled = [each for each in self._sensors.values() if each.enabled]
 
     def before_step(self, steps: int) -> None:
-        """Do what is due after `steps` steps of the physics, before the next one."""
-        if self._steps is None:
-            self._begin(steps)
-        if (steps - self._drives_from) % self._drive_steps == 0:
-            self._act()
-
-    def _act(self) -> None:
-        """Do what is done each `_drive_steps` steps."""
-
-    def _begin(self, steps: int) -> None:
         """Count the readings that are not made from a step on: the first, or after a reset."""
-        for scheduled in self._sensors.values():
-            scheduled.skipped_from = steps
-        self._steps = steps
+        if self._steps is None:
+            for scheduled in self._sensors.values():
+                scheduled.skipped_from = steps
+            self._steps = steps
 
-    def due_sensors(self, steps: int) -> List[ScheduledSensor]:
+    def due(self, steps: int) -> List[ScheduledSensor]:
         """Return the sensors that are to be read after `steps` steps."""
         self._steps = steps
         return [scheduled for scheduled in self._enabled if steps % scheduled.period_steps == 0]
 
     def next_event(self, steps: int) -> int:
-        """Return the first step after `steps` at which something is due."""
-        wait = self._drive_steps - (steps - self._drives_from) % self._drive_steps
+        """Return the first step after `steps` at which a sensor is read."""
+        wait = sys.maxsize
         for scheduled in self._enabled:
             remaining = scheduled.period_steps - steps % scheduled.period_steps
             if remaining < wait:
@@ -130,7 +124,7 @@ class Carrier:
         return steps + wait
 
     @property
-    def sensor_kinds(self) -> Set[str]:
+    def kinds(self) -> Set[str]:
         """The kinds of sensors that the robot has, also of those that are disabled."""
         return {each.kind for each in self._sensors.values()}
 
@@ -143,8 +137,7 @@ class Carrier:
                     for each in self._enabled if each.kind in kinds), default=None)
 
     def reset(self) -> None:
-        """Let the sensors and the periods of the drive begin anew."""
-        self._drives_from = self._steps or 0
+        """Let the sensors begin anew."""
         for scheduled in self._sensors.values():
             scheduled.sensor.restart()
 
@@ -152,7 +145,7 @@ class Carrier:
         """Let the noise of the sensors begin anew, as when time does."""
         for scheduled in self._sensors.values():
             scheduled.restart_noise()
-        self._steps, self._drives_from = None, 0
+        self._steps = None
 
     def notify_teleported(self) -> None:
         """Call after the robot was moved from outside."""

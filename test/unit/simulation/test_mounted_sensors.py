@@ -28,15 +28,15 @@ def build(*inside):
                           with_drives=True)
 
 
-def carrier(*inside):
-    found, = build(*inside).simulator.carriers
+def mounted(*inside):
+    found, = build(*inside).simulator.sensors
     return found
 
 
 @pytest.mark.parametrize('kind', ['ray', 'gpu_ray'])
 def test_rays_of_a_static_model_begin_at_the_pose_of_the_sensor_in_its_link(kind):
-    eye = carrier(WALL, EYE.format(SENSOR.format('s', kind, RAY)))
-    sensor, = eye.sensors
+    eye = mounted(WALL, EYE.format(SENSOR.format('s', kind, RAY)))
+    sensor, = eye.spec.sensors
     assert (sensor.label, sensor.type, sensor.is_bare) == ('s', kind, True)
     # from x 0.6 to the wall at 1.9, without noise
     assert eye.measure()['scan'][1] == pytest.approx(1.3, abs=1e-6)
@@ -49,7 +49,7 @@ def test_a_scanner_sees_its_own_model_from_inside_as_in_gazebo(near, pitch, expe
             '</max_angle></horizontal></scan><range><min>{}</min><max>3.5</max></range></ray>')
     sensor = '<sensor name="s" type="ray"><pose>0 0 0 0 {} 0</pose>{}</sensor>'.format(
         pitch, rays.format(near))
-    head = carrier(
+    head = mounted(
         '<pose>0 5 0.5 0 0 0</pose>', link('base', '', box(1, 1, 1)), link(
             'head', '0 0 0.6', '<cylinder><radius>0.1</radius><length>0.1</length></cylinder>',
             inside=sensor),
@@ -62,7 +62,7 @@ def test_the_readings_of_a_model_are_those_of_its_rate_and_end_with_it():
     simulator = build(WALL, EYE.format(SENSOR.format('s', 'ray', RAY))).simulator
     assert [round(each.time_s, 3) for each in simulator.advance(60)] == [0.02, 0.04, 0.06]
     Models(simulator).remove('m')
-    assert simulator.advance(60) == [] and not simulator.carriers
+    assert simulator.advance(60) == [] and not simulator.sensors
 
 
 def test_an_imu_that_falls_feels_nothing():
@@ -73,7 +73,7 @@ def test_an_imu_that_falls_feels_nothing():
 
 
 def test_cameras_are_named_by_their_sensors():
-    spec = carrier(EYE.format(SENSOR.format('cam', 'camera', '<camera/>'))).spec
+    spec = mounted(EYE.format(SENSOR.format('cam', 'camera', '<camera/>'))).spec
     assert [each.label for each in spec.sensors] == ['cam']
     camera, = spec.cameras
     assert (camera.camera_frame, camera.camera_x, camera.camera_width) == ('eye', 0.1, 320)
@@ -91,8 +91,8 @@ def test_what_of_sensors_is_not_simulated_is_said(inside, words):
 
 
 def test_a_sensor_with_a_plugin_that_publishes_is_not_bare():
-    eye = carrier(EYE.format(SENSOR.format('s', 'ray', RAY + PLUGIN.format('gazebo_ros_laser'))))
-    assert [each.is_bare for each in eye.sensors] == [False]
+    eye = mounted(EYE.format(SENSOR.format('s', 'ray', RAY + PLUGIN.format('gazebo_ros_laser'))))
+    assert [each.is_bare for each in eye.spec.sensors] == [False]
 
 
 DOOR = model('door', '<link name="l"/><joint name="j" type="revolute"><parent>world</parent>'
@@ -123,7 +123,7 @@ def test_a_bumper_and_a_depth_camera_of_a_model_of_a_world():
     touch, = touches[-1]
     assert (touch.own, touch.other) == ('m::l', 'ground_plane::link')
     assert touch.forces.sum(axis=0) == pytest.approx([0, 0, 2 * 9.8], abs=0.5)
-    camera, = built.simulator.carriers[0].spec.cameras
+    camera, = built.simulator.sensors[0].spec.cameras
     assert (camera.camera_width, camera.camera_x, camera.camera_depth_topic) == (
         32, 0.1, 'depth/image_raw')
     assert file.warnings == (

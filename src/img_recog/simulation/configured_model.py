@@ -20,7 +20,7 @@ from img_recog.simulation.physics.differential_drive import DifferentialDrive
 from img_recog.simulation.physics.drive import Drive
 from img_recog.simulation.physics.planar_drive import PlanarDrive
 from img_recog.simulation.sensors import in_files
-from img_recog.simulation.sensors.sensor import RobotSensor, SensorKind, numbered, sensors_of
+from img_recog.simulation.sensors.sensor import ConfiguredSensor, SensorKind, numbered, sensors_of
 from img_recog.simulation.simulation_settings import (CameraSettings, DriveSettings, NoiseSettings,
                                                       RobotSettings, SpawnSettings, names_in)
 
@@ -32,7 +32,7 @@ _DRIVES: Dict[str, Callable[[DriveSettings], Drive]] = {
     DIFFERENTIAL: DifferentialDrive, PLANAR: PlanarDrive}
 
 
-class RobotSpec(NamedTuple):
+class ConfiguredModel(NamedTuple):
     """A robot, or a model with sensors.
 
     source: what messages call its text, like robot_description or the path of a file;
@@ -45,7 +45,7 @@ class RobotSpec(NamedTuple):
     source: str
     model: Model
     settings: RobotSettings = RobotSettings()
-    sensors: Sequence[RobotSensor] = ()
+    sensors: Sequence[ConfiguredSensor] = ()
     tag_values: Mapping[str, Any] = {}
     warnings: Tuple[str, ...] = ()
     not_simulated: Tuple[str, ...] = ()
@@ -64,40 +64,48 @@ class RobotSpec(NamedTuple):
         return [cast(CameraSettings, self.settings.sensors[each.name])
                 for each in self.sensors if each.kind.is_drawn]
 
+    @property
+    def not_done(self) -> List[str]:
+        """What the file asks for that is not done, each as a few words."""
+        model = self.model
+        return [*model.left_out, *self.not_simulated, *(each.text() for each in self.findings),
+                *model.missing_meshes, *model.missing_looks]
+
     def new_drive(self) -> Drive:
         """Return a drive with its settings; SimulationError when those cannot be used."""
         drive = self.settings.drive
         return _DRIVES[drive.drive](drive) if drive.is_there else Drive(drive)
 
-    def with_sensor(self, kind: SensorKind, settings: Any) -> 'RobotSpec':
+    def with_sensor(self, kind: SensorKind, settings: Any) -> 'ConfiguredModel':
         """Return the robot with one more sensor of a kind, which is in no file."""
         number = sum(each.kind == kind for each in self.sensors)
         name = numbered(kind, number)
-        return self._replace(sensors=[*self.sensors, RobotSensor(name, kind, number)]).changed(
+        sensors = [*self.sensors, ConfiguredSensor(name, kind, number)]
+        return self._replace(sensors=sensors).changed(
             sensors={**self.settings.sensors, name: settings})
 
-    def renamed(self, name: str) -> 'RobotSpec':
+    def renamed(self, name: str) -> 'ConfiguredModel':
         """Return the robot with another name."""
         return self._replace(model=dataclasses.replace(self.model, name=name))
 
-    def changed(self, **settings: Any) -> 'RobotSpec':
+    def changed(self, **settings: Any) -> 'ConfiguredModel':
         """Return the robot with other settings, by the names of the fields of RobotSettings."""
         return self._replace(settings=dataclasses.replace(self.settings, **settings))
 
-    def with_own_noise(self) -> 'RobotSpec':
+    def with_own_noise(self) -> 'ConfiguredModel':
         """Return the robot with noise that is not that of robots with other names."""
         return self.changed(noise=self.settings.noise.of(self.name))
 
 
-def read_robot(urdf: Union[str, ElementTree.Element], step_s: float, find: FindFile, source: str,
-               kinds: Sequence[SensorKind] = (),
-               controllers: FindControllers = drive_controllers.none,
-               read: ReadSettings = from_mapping) -> RobotSpec:
+def from_urdf(urdf: Union[str, ElementTree.Element], step_s: float, find: FindFile, source: str,
+              kinds: Sequence[SensorKind] = (),
+              controllers: FindControllers = drive_controllers.none,
+              read: ReadSettings = from_mapping) -> ConfiguredModel:
     """Read a URDF.
 
     urdf: its text, or what was parsed of it. step_s: of the physics. find: returns the path of the
-    URI of a mesh or a texture. source: see RobotSpec. kinds: of the sensors that it can have.
-    controllers: returns those of ros_control that it can have.
+    URI of a mesh or a texture. source: see ConfiguredModel. kinds: of the sensors that it can
+    have. controllers: returns those of ros_control that it can have.
     Raises SimulationError naming the source when it is not a URDF that can be simulated, or the
     value of a tag is not allowed.
     """
@@ -123,7 +131,7 @@ def read_robot(urdf: Union[str, ElementTree.Element], step_s: float, find: FindF
                   **drive_controllers.joint_states(root, controllers, step_s), **in_tags}
         sensors = sensors_of(kinds, sensors)
         settings = _settings(model, sensors, values, read)
-        return RobotSpec(
+        return ConfiguredModel(
             source, model, settings, [each for each in sensors if each.name in settings.sensors],
             values,
             (*('{}: {}'.format(source, line)
@@ -134,8 +142,8 @@ def read_robot(urdf: Union[str, ElementTree.Element], step_s: float, find: FindF
         raise refused(source, error.problem, error.advice)
 
 
-def read_model(tree: Tree, step_s: float, kinds: Sequence[SensorKind],
-               with_bare: bool = False) -> RobotSpec:
+def from_sdf(tree: Tree, step_s: float, kinds: Sequence[SensorKind],
+             with_bare: bool = False) -> ConfiguredModel:
     """Return what an SDF says of a robot, which starts where the tree is, or of a model with
     sensors.
 
@@ -146,8 +154,10 @@ def read_model(tree: Tree, step_s: float, kinds: Sequence[SensorKind],
     source = 'model ' + model.name
     try:
         drive = drive_tags.of_model(model, step_s)
-        in_tags, sensors, problems = in_files.read(model.tags, step_s, kinds,
-                                                   drive and drive.tags, with_bare)
+        tags = drive and drive.tags
+        in_tags, sensors, problems = in_files.read(model.tags, step_s, kinds, tags, with_bare)
+        if not with_bare:       # in Gazebo, too, a sensor without a plugin has no topics in ROS
+            problems = in_files.read(model.tags, step_s, kinds, tags, with_bare=True)[2]
         of_model = ['plugin ' + plugin.get('filename', '') for tag in model.tags if not tag.link
                     for plugin in tag.element.findall('plugin')]    # the audit names them
         not_simulated = tuple(part for part in dict.fromkeys(problems) if part not in of_model)
@@ -157,7 +167,7 @@ def read_model(tree: Tree, step_s: float, kinds: Sequence[SensorKind],
         values = {**(drive.values if drive else {}), **in_tags}
         settings = _settings_of_tree(tree, sensors, values) if drive else RobotSettings(
             sensors={each.name: settings_in_tag(each) for each in sensors})
-        return RobotSpec(
+        return ConfiguredModel(
             source, model, dataclasses.replace(settings, noise=settings.noise.of(tree.name)),
             sensors, values,
             tuple('not simulated, of {}: {}'.format(source, part) for part in not_simulated),
@@ -183,7 +193,7 @@ def _warnings(model: Model, of_tags: Sequence[str],
             yield 'not simulated, of its {}: {}'.format(name, ', '.join(parts))
 
 
-def _settings(model: Model, sensors: Sequence[RobotSensor], tag_values: Mapping[str, Any],
+def _settings(model: Model, sensors: Sequence[ConfiguredSensor], tag_values: Mapping[str, Any],
               read: ReadSettings) -> RobotSettings:
     measured = wheels.measure(model, read(DriveSettings, tag_values))
     values: Mapping[str, Any] = {**measured.values(), **tag_values}
@@ -199,7 +209,7 @@ def _settings(model: Model, sensors: Sequence[RobotSensor], tag_values: Mapping[
         if _is_there(each, of_sensors[each.name], drive, values)})
 
 
-def _is_there(sensor: RobotSensor, settings: Any, drive: DriveSettings,
+def _is_there(sensor: ConfiguredSensor, settings: Any, drive: DriveSettings,
               values: Mapping[str, Any]) -> bool:
     """Return whether a robot has a sensor: in its tags, or on a link that the settings name; one
     that is on no link belongs to a drive, or to what gives its settings in `values`.
@@ -209,7 +219,7 @@ def _is_there(sensor: RobotSensor, settings: Any, drive: DriveSettings,
     return drive.is_there or any(name.startswith(sensor.kind.name) for name in values)
 
 
-def _settings_of_tree(tree: Tree, sensors: Sequence[RobotSensor],
+def _settings_of_tree(tree: Tree, sensors: Sequence[ConfiguredSensor],
                       tag_values: Mapping[str, Any]) -> RobotSettings:
     x, y, z = tree.pose.translation.tolist()
     yaw = rotations.to_rpy(tree.pose.rotation).tolist()[2]
@@ -217,7 +227,7 @@ def _settings_of_tree(tree: Tree, sensors: Sequence[RobotSensor],
                                spawn=SpawnSettings(x_pos=x, y_pos=y, z_pos=z, yaw=yaw))
 
 
-def settings_in_tag(sensor: RobotSensor) -> Any:
+def settings_in_tag(sensor: ConfiguredSensor) -> Any:
     """Return the settings of a sensor in a file; SimulationError when one is not allowed."""
     try:
         return from_mapping(sensor.kind.settings, sensor.values)
