@@ -3,8 +3,8 @@ from typing import Any
 
 from img_recog.settings import SettingError, between
 
-IMAGE_TOPIC, INFO_TOPIC = 'usb_cam/image_raw', 'usb_cam/camera_info'
-COMPRESSED_TOPIC = IMAGE_TOPIC + '/compressed'
+CAMERA_TOPIC, CAMERA_INFO_TOPIC = 'usb_cam/image_raw', 'usb_cam/camera_info'
+COMPRESSED_TOPIC = CAMERA_TOPIC + '/compressed'
 # the tf frame of the images; the link that carries the camera of camera:=robot
 FRAME, ROBOT_LINK = 'head_camera', 'camera_link'
 SYNTHETIC, ROBOT = 'synthetic', 'robot'

@@ -1,6 +1,7 @@
 """Size and rate of images have the same ranges for all who read them, and cameras one name."""
 import argparse
 import os
+import types
 import xml.etree.ElementTree as ElementTree
 
 import pytest
@@ -10,6 +11,7 @@ from img_recog.camera import selection
 from img_recog.camera.usb_cam_settings import UsbCamSettings
 from img_recog.errors import UserError, one_line
 from img_recog.nodes.robots import robot_list
+from img_recog.nodes.robots.robots_node import ManagerSettings, RobotsNode
 from img_recog.replay import job
 from img_recog.settings import from_mapping
 from img_recog.simulation.simulation_settings import CameraSettings, ViewSettings
@@ -95,3 +97,32 @@ def test_each_reader_has_the_range(read, name, values, monkeypatch, tmp_path, ca
         assert 'from {:g} to {:g}'.format(low, high) in text
         assert repr(value) in text or repr(float(value)) in text
         assert refused.type is SystemExit or '_'.join(name.split('_')[1:]) in text
+
+
+def launch_file(name):
+    return ElementTree.parse(os.path.join(ROOT, 'launch', name + '.launch'))
+
+
+def test_one_robot_has_the_camera_of_several():
+    names = WIDTH, HEIGHT, RATE, 'robot_camera_frame', 'camera_frame_id'
+    arguments = types.SimpleNamespace(**{name: '$(arg {})'.format(name) for name in names})
+    node = types.SimpleNamespace(_settings=arguments)
+    robot = types.SimpleNamespace(
+        nodes=types.SimpleNamespace(camera='robot', **vars(arguments)), simulation={})
+    group, = (each for each in launch_file('simulator').iter('group')
+              if each.get('ns') == 'gazebo')
+    assert RobotsNode._parameters_of(node, robot) == {
+        each.get('name'): each.get('value') for each in group}
+
+
+@pytest.mark.parametrize('name', ['camera', 'demo', 'robot', 'robots', 'simulator'])
+def test_launch_files_have_the_defaults_of_the_code(name):
+    expected = {WIDTH: UsbCamSettings.image_width, HEIGHT: UsbCamSettings.image_height,
+                RATE: UsbCamSettings.framerate, 'camera_frame_id': UsbCamSettings.camera_frame_id,
+                'robot_camera_frame': ManagerSettings.robot_camera_frame,
+                'pixel_format': UsbCamSettings.pixel_format}
+    given = {each.get('name'): each.get('default') for each in launch_file(name).iter('arg')
+             if each.get('name') in expected and each.get('default') is not None}
+    assert given
+    for argument, value in given.items():
+        assert type(expected[argument])(value) == expected[argument]
