@@ -4,8 +4,8 @@ import functools
 import pathlib
 
 PURE = ('camera', 'formats', 'recognition', 'rendering', 'simulation', 'teleoperation')
-GROUND_FLOOR = ('command_line', 'errors', 'files', 'loading', 'model', 'processes', 'rotations',
-                'settings')
+GROUND_FLOOR = ('camera_arguments', 'command_line', 'errors', 'files', 'loading', 'model',
+                'processes', 'rotations', 'settings')
 # the rooms of simulation/, from the lowest to the highest: none imports one above it
 SIMULATION_ROOMS = ('simulation_settings', 'names', 'wheels', 'physics', 'sensors',
                     'configured_model', 'mounted_sensors', 'simulated_model', 'guard', 'hanging',
@@ -27,10 +27,12 @@ ROS_LIBRARIES = ('actionlib', 'camera_info_manager', 'catkin', 'cv_bridge', 'dia
                  'laser_geometry', 'message_filters', 'nodelet', 'tf', 'tf2_ros', 'tf_conversions')
 # for each part of img_recog, the other parts that it may use
 ALLOWED = {
-    **{folder: ('errors', 'files', 'formats', 'model', 'rotations', 'settings') + (
-        ('processes',) if folder == 'simulation' else ()) for folder in PURE},
+    **{folder: ('camera_arguments', 'errors', 'files', 'formats', 'model', 'rotations',
+                'settings') + (('processes',) if folder == 'simulation' else ())
+       for folder in PURE},
     'command_line': ('errors', 'processes'),
-    '__init__': (), 'errors': (), 'processes': ('errors',), 'rotations': (),
+    '__init__': (), 'errors': (), 'processes': ('camera_arguments', 'errors'),
+    'camera_arguments': ('settings',), 'rotations': (),
     'model': ('rotations',), 'files': ('errors',), 'settings': ('errors',),
     'loading': ('conversions', 'errors', 'files', 'formats', 'settings', 'simulation'),
     'ros': ('errors', 'processes', 'settings'),

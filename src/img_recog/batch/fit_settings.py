@@ -21,9 +21,8 @@ class BaseSettings:
 
         Raises ParameterError if it cannot be used.
         """
-        self._values = parameter_file.values_in(path) if path else {}
-        self._settings = (parameter_file.settings_in(self._values, path) if path
-                          else with_colors()())
+        self._values, self._settings = (parameter_file.load(path) if path
+                                        else ({}, with_colors()()))
         self._colors = tuple(colors)
         known = self._settings.color_names if path else ()
         self.names = (*known, *(name for name in colors if name not in known))

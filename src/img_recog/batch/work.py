@@ -1,6 +1,5 @@
 """A piece of work: what it is, and how a process does it."""
 import contextlib
-import ctypes
 import functools
 import os
 import tempfile
@@ -10,6 +9,7 @@ from typing import Any, Callable, Iterator, List, Mapping, NamedTuple, Sequence,
 import cv2
 
 from img_recog.errors import UserError, named_in_crashes, one_line
+from img_recog.processes import memory
 
 # Called with the paths of the files of a piece and its arguments. A function of a module: workers
 # import it. The type of what it returns names those of all parts, see `plain`.
@@ -17,9 +17,6 @@ Function = Callable[..., Any]
 # llvmpipe and numpy: there are as many processes as cores; with 0, llvmpipe draws in the thread
 # that asks for it
 _THREADS = {'LP_NUM_THREADS': '0', 'OMP_NUM_THREADS': '1', 'OPENBLAS_NUM_THREADS': '1'}
-# mallopt(3): up to how many bytes free memory is kept, and from how many on a block is mapped
-_M_TRIM_THRESHOLD, _KEPT_BYTES = -1, 1 << 28
-_M_MMAP_THRESHOLD, _MAPPED_BYTES = -3, 1 << 25
 
 
 class Piece(NamedTuple):
@@ -77,9 +74,7 @@ def _prepare() -> None:
     cv2.setNumThreads(1)
     # Dask has its workers give memory back at once (MALLOC_TRIM_THRESHOLD_). Then the kernel maps
     # and clears that of each image anew, 100,000 pages for a loop of 15 s.
-    libc = ctypes.CDLL(None)
-    libc.mallopt(_M_TRIM_THRESHOLD, _KEPT_BYTES)
-    libc.mallopt(_M_MMAP_THRESHOLD, _MAPPED_BYTES)
+    memory.keep()
 
 
 @contextlib.contextmanager

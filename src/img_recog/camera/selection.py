@@ -11,6 +11,7 @@ from img_recog.camera.source import (FrameSource, RefusedSource, SourceError, ch
                                      convert)
 from img_recog.camera.synthetic import SyntheticSource
 from img_recog.camera.usb_cam_settings import UsbCamSettings
+from img_recog.camera_arguments import SYNTHETIC
 from img_recog.formats import still_images
 from img_recog.formats.still_images import DEFAULT_MAX_PIXELS
 
@@ -24,7 +25,7 @@ def resolve_auto(settings: UsbCamSettings) -> UsbCamSettings:
     """
     if settings.video_device != 'auto':
         return settings
-    found = DEFAULT_DEVICE if os.path.exists(DEFAULT_DEVICE) else 'synthetic'
+    found = DEFAULT_DEVICE if os.path.exists(DEFAULT_DEVICE) else SYNTHETIC
     return dataclasses.replace(settings, video_device=found)
 
 
@@ -38,7 +39,7 @@ def open_source(settings: UsbCamSettings, folders: Sequence[str] = ('',),
     """
     settings = resolve_auto(settings)
     name = settings.video_device
-    if name == 'synthetic':
+    if name == SYNTHETIC:
         check_size('cannot draw the synthetic scene', settings.image_width, settings.image_height,
                    settings.max_image_pixels)
         return SyntheticSource(settings.image_width, settings.image_height, settings.framerate)

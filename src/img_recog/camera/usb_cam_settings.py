@@ -3,9 +3,10 @@ import re
 from dataclasses import dataclass
 from typing import Any, ClassVar, Mapping
 
+from img_recog.camera_arguments import FRAME, PIXELS, RATES, SYNTHETIC, check_drawn
 from img_recog.formats.still_images import ALLOWED_MAX_PIXELS, DEFAULT_MAX_PIXELS
-from img_recog.settings import (Allowed, SettingError, Settings, at_least, between, not_empty,
-                                one_of, setting)
+from img_recog.settings import (Allowed, SettingError, Settings, at_least, not_empty, one_of,
+                                setting)
 
 # All pixel formats of usb_cam 0.3.7, and the V4L2 FOURCC of each (linux/videodev2.h)
 FOURCC = {
@@ -51,15 +52,20 @@ class UsbCamSettings(Settings):
     io_method: str = setting('mmap', one_of('mmap', 'read', 'userptr'))
     pixel_format: str = setting('mjpeg', one_of(*sorted(FOURCC)))
     color_format: str = setting('yuv422p', one_of('yuv420p', 'yuv422p'))
-    image_width: int = setting(640, between(1, 16384))
-    image_height: int = setting(480, between(1, 16384))
-    framerate: float = setting(30.0, between(0.1, 1000))
-    camera_frame_id: str = setting('head_camera', not_empty())
+    image_width: int = setting(640, PIXELS)
+    image_height: int = setting(480, PIXELS)
+    framerate: float = setting(30.0, RATES)
+    camera_frame_id: str = setting(FRAME, not_empty())
     camera_name: str = setting('head_camera', _CAMERA_NAME)
     camera_info_url: str = setting('')
     create_suspended: bool = setting(False)
     max_image_pixels: int = setting(DEFAULT_MAX_PIXELS, ALLOWED_MAX_PIXELS)
     loop: bool = setting(True)
+
+    def __post_init__(self):
+        super().__post_init__()
+        if self.video_device == SYNTHETIC:
+            check_drawn(self)
 
 
 @dataclass(frozen=True)

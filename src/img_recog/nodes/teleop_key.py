@@ -21,9 +21,8 @@ from img_recog.ros.stopping_publisher import StoppingPublisher
 from img_recog.ros.yielding import Yielding
 from img_recog.teleoperation.keyboard import Keyboard
 from img_recog.teleoperation.profile import VelocityProfile
-from img_recog.teleoperation.teleop_settings import TeleopSettings
+from img_recog.teleoperation.teleop_settings import PERIOD_S, TeleopSettings
 
-_PERIOD_S = 0.1
 # set by launch files that start more than this node; a parameter would stay for the next teleop
 _NO_KEYS = 'IMG_RECOG_NO_KEYS'
 _HELP = ('w/x: faster forward/backward, a/d: faster to the left/right, s or space: stop, '
@@ -53,7 +52,7 @@ class TeleopKey:
             deadline = time.monotonic()
             while not rospy.is_shutdown():
                 self._publish(*self._profile.tick())
-                deadline = max(deadline + _PERIOD_S, time.monotonic())
+                deadline = max(deadline + PERIOD_S, time.monotonic())
                 self._handle_keys(keyboard, deadline)
 
     def _handle_keys(self, keyboard: Keyboard, deadline: float) -> None:

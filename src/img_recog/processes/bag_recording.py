@@ -8,13 +8,14 @@ import time
 from concurrent.futures import ThreadPoolExecutor
 from typing import Callable, Optional, Sequence
 
+from img_recog.camera_arguments import CAMERA_INFO_TOPIC, COMPRESSED_TOPIC
 from img_recog.errors import UserError, one_line, shortened
 from img_recog.processes import process_tree
 
 # what is worth keeping of the whole system: no view and no masks, which can be made again
 TOPICS = ('/clock', '/diagnostics', '/rosout_agg', '/tf', '/tf_static', 'cmd_vel',
           'color_detection', 'gazebo/world_outlines', 'imu', 'joint_states', 'odom', 'scan',
-          'usb_cam/camera_info', 'usb_cam/image_raw/compressed')
+          CAMERA_INFO_TOPIC, COMPRESSED_TOPIC)
 MAX_MEGABYTES = 2000
 _START_TIMEOUT_S, _END_TIMEOUT_S, _POLL_PERIOD_S = 20.0, 10.0, 0.05
 # of a line of roscpp: color, level and time

@@ -3,6 +3,8 @@ from typing import List, NamedTuple, Optional, Sequence
 
 from img_recog.recognition.recognition_settings import LAST, SUM, RecognitionSettings
 
+POLL_PERIOD_S = 0.1     # how often it is looked whether the colors are lost
+
 
 class Command(NamedTuple):
     """A velocity command for the robot: linear_x and linear_y in m/s, angular_z in rad/s."""

@@ -1,7 +1,7 @@
 """A YAML file with the parameters of the color recognition."""
 import os
 import reprlib
-from typing import Any, Dict, List, Sequence
+from typing import Any, Dict, List, NamedTuple, Sequence
 
 from img_recog.errors import one_line, shortened, suggestion
 from img_recog.formats.markup import MarkupError, read_bytes
@@ -19,18 +19,31 @@ _ADVICE = 'give a parameter file of color_extract, like config/colors.yaml'
 _NODE_ONLY = (COLORS_FILE, 'image_transport', 'max_image_pixels')
 
 
-def read(path: str) -> RecognitionSettings:
-    """Return the settings in a YAML file with parameters of color_extract.
+class ParameterFile(NamedTuple):
+    """The parameters in a file, by their names, and the settings that they are."""
+
+    values: Dict[str, Any]
+    settings: RecognitionSettings
+
+
+def load(path: str) -> ParameterFile:
+    """Return what a YAML file with parameters of color_extract holds.
 
     Raises ParameterError naming the file, the parameter, its value and the allowed values.
     """
-    return settings_in(values_in(path), path)
+    values = _values_in(path)
+    return ParameterFile(values, settings_in(values, path))
+
+
+def read(path: str) -> RecognitionSettings:
+    """Return the settings in a file; see `load`."""
+    return load(path).settings
 
 
 def read_or_default(path: str) -> RecognitionSettings:
     """Return the settings in a file that a user names; if empty, those of the article.
 
-    Raises ParameterError, as `read` does.
+    Raises ParameterError, as `load` does.
     """
     return read(os.path.expanduser(path)) if path else with_colors()()
 
@@ -38,7 +51,7 @@ def read_or_default(path: str) -> RecognitionSettings:
 def settings_in(values: Dict[str, Any], path: str) -> RecognitionSettings:
     """Return the settings in the parameters of color_extract; path: their place in messages.
 
-    Raises ParameterError, as `read` does.
+    Raises ParameterError, as `load` does.
     """
     try:
         values = dict(values)
@@ -73,8 +86,8 @@ def unknown_color(color: str, names: Sequence[str]) -> str:
         color, ', '.join(names), similar and similar + ' Or ', COLORS, ', '.join([*names, color]))
 
 
-def values_in(path: str) -> Dict[str, Any]:
-    """Return the parameters in a YAML file, unchecked; raise ParameterError, as `read` does."""
+def _values_in(path: str) -> Dict[str, Any]:
+    """Return the parameters in a YAML file, unchecked; raise ParameterError, as `load` does."""
     try:
         values = load_yaml(read_bytes(path, _MAX_BYTES))
     except (OSError, MarkupError) as error:

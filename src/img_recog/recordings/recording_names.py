@@ -8,11 +8,12 @@ from img_recog.camera.image_source import (VIDEO_EXTENSIONS, VIDEO_OR_LIVE_EXTEN
                                            is_image)
 from img_recog.camera.selection import open_file
 from img_recog.camera.source import SourceError, SourceTooLarge
+from img_recog.camera_arguments import CAMERA_TOPIC, COMPRESSED_TOPIC
 from img_recog.errors import UserError, one_line, shortened
 from img_recog.formats import still_images
 from img_recog.recordings.frames import WANTED
 
-DEFAULT_TOPICS = ('/usb_cam/image_raw', '/usb_cam/image_raw/compressed')
+DEFAULT_TOPICS = '/' + CAMERA_TOPIC, '/' + COMPRESSED_TOPIC
 _ADVICE = 'give films, bags or images, folders with them, or patterns like "*.bag"'
 _MAGIC, _BAG = b'#ROSBAG', '.bag'
 _FILMS = VIDEO_EXTENSIONS + VIDEO_OR_LIVE_EXTENSIONS

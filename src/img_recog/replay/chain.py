@@ -10,9 +10,10 @@ from typing import (TYPE_CHECKING, Any, Iterable, Iterator, List, NamedTuple, Op
                     Tuple, TypeVar)
 
 from img_recog.recognition.areas import ColorExtractor
-from img_recog.recognition.commands import STOP, Command, Commander
+from img_recog.recognition.commands import POLL_PERIOD_S, STOP, Command, Commander
 from img_recog.recognition.recognition_settings import RecognitionSettings
 from img_recog.recordings.frames import SECOND_NS, Frame, Frames
+from img_recog.teleoperation.teleop_settings import PERIOD_S
 
 if TYPE_CHECKING:       # they import PyBullet, which film.py does not need
     from img_recog.simulation.physics.body import Motion
@@ -20,8 +21,8 @@ if TYPE_CHECKING:       # they import PyBullet, which film.py does not need
     from img_recog.simulation.mounted_sensors import Reading
 
 RECOGNITION, TELEOP = 'recognition', 'teleop'
-_TELEOP_PERIOD_NS = SECOND_NS // 10     # the idle teleop publishes zeros at 10 Hz
-_POLL_PERIOD_NS = SECOND_NS // 10       # of color_extract, while it waits for a frame
+_TELEOP_PERIOD_NS = round(PERIOD_S * SECOND_NS)
+_POLL_PERIOD_NS = round(POLL_PERIOD_S * SECOND_NS)
 _NEVER_NS = 1 << 63
 _PREFETCHED_FRAMES = 8
 _END: Any = object()     # after the last item
@@ -136,7 +137,7 @@ class Chain:
         """Drive the first robot of `simulator`, which must not have been advanced yet.
 
         recognition: the one that has measured the frames.
-        teleop: whether to send zeros at 10 Hz, like the idle teleop; at the time of a frame they
+        teleop: whether to send zeros, like the idle teleop; at the time of a frame they
         are sent just before its commands.
         """
         self._simulator, (self._robot,) = simulator, simulator.robots

@@ -11,6 +11,7 @@ from tqdm import tqdm
 
 from img_recog import files
 from img_recog.camera.usb_cam_settings import UsbCamSettings
+from img_recog.camera_arguments import RATES, ROBOT
 from img_recog.command_line import programs
 from img_recog.command_line import results
 from img_recog.command_line.option_types import allowed
@@ -206,15 +207,14 @@ def _parser() -> argparse.ArgumentParser:
         'as a bag, a table (CSV) and a picture (PNG).')
     parser.add_argument('input', metavar='RECORDING', nargs='?', default='',
                         help='a video, a folder of pictures, or a bag with images')
-    parser.add_argument('--camera', choices=['robot'], default='',
+    parser.add_argument('--camera', choices=[ROBOT], default='',
                         help='robot: instead of a video, the images of a camera on the robot, '
                         'which moves by what it sees')
     parser.add_argument('--seconds', type=float, default=60.0,
                         help='simulated time with --camera (default: %(default)s)')
     recording_names.add_topic(parser)
     parser.add_argument('--framerate', metavar='HZ', default=UsbCamSettings.framerate,
-                        type=allowed(float, lambda rate_hz: 0.1 <= rate_hz <= 1000,
-                                     'from 0.1 to 1000'),
+                        type=allowed(float, RATES.accepts, RATES.text),
                         help='of a folder of pictures (default: %(default)g)')
     still_images.add_option(parser)
     parser.add_argument('--colors', default='', metavar='YAML',

@@ -4,6 +4,7 @@ import logging
 from types import MappingProxyType
 from typing import Any, Mapping
 
+from img_recog.camera_arguments import FRAME, ROBOT_LINK
 from img_recog.conversions.sensor_table import SENSORS
 from img_recog.errors import UserError
 from img_recog.loading import assemble
@@ -14,7 +15,6 @@ from img_recog.simulation.simulation_settings import (CameraSettings, NoiseSetti
 
 _log = logging.getLogger(__name__)
 _UNUSED_SENSORS = [kind.name for kind in SENSORS if kind.name not in RECORDED]
-_CAMERA_LINK, _CAMERA_FRAME = 'camera_link', 'head_camera'     # those of the demo
 
 
 def build(world: str, urdf_path: str, spawn: SpawnSettings,
@@ -44,10 +44,10 @@ def camera_settings(built: Assembly) -> CameraSettings:
     robot, = built.simulator.robots
     if robot.spec.cameras:
         return robot.spec.cameras[0]
-    if robot.body.has_frame(_CAMERA_LINK):
-        return CameraSettings(camera_frame=_CAMERA_LINK, camera_optical_frame=_CAMERA_FRAME)
+    if robot.body.has_frame(ROBOT_LINK):
+        return CameraSettings(camera_frame=ROBOT_LINK, camera_optical_frame=FRAME)
     raise UserError('--camera robot: the robot has no camera: neither a <sensor type="camera"> in '
-                    'its URDF nor a link ' + _CAMERA_LINK, 'add one of them, or set --urdf to a '
+                    'its URDF nor a link ' + ROBOT_LINK, 'add one of them, or set --urdf to a '
                     'robot that has one')
 
 

@@ -4,6 +4,7 @@ import zlib
 from dataclasses import dataclass, field
 from typing import Mapping, Optional, Tuple
 
+from img_recog.camera_arguments import DRAWN_PIXELS, RATES
 from img_recog.errors import SimulationError
 from img_recog.formats import lenses
 from img_recog.model import DIFFERENTIAL, PLANAR
@@ -157,12 +158,12 @@ class CameraSettings(Settings):
     camera_pitch: float = setting(0.0, any_value())
     camera_yaw: float = setting(0.0, any_value())
     camera_optical_frame: str = setting('camera_rgb_optical_frame', not_empty())
-    camera_width: int = setting(640, between(16, 4096))
-    camera_height: int = setting(480, between(16, 4096))
+    camera_width: int = setting(640, DRAWN_PIXELS)
+    camera_height: int = setting(480, DRAWN_PIXELS)
     camera_horizontal_fov: float = setting(1.085595, between(0.01, 6.2832))
     camera_near: float = setting(0.03, between(0.001, 100))
     camera_far: float = setting(100.0, between(0.01, 10000))
-    camera_rate: float = setting(30.0, between(0.01, 1000))
+    camera_rate: float = setting(30.0, RATES)
     camera_noise: float = setting(0.0, between(0, 1))
     camera_noise_mean: float = setting(0.0, between(-1, 1))
     camera_encoding: str = setting('rgb8', one_of('rgb8', 'bgr8', 'mono8'))
@@ -236,8 +237,8 @@ class ViewSettings(Settings):
     gui: bool = setting(False)
     view: str = setting('above', one_of(*VIEWS))
     view_rate: float = setting(10.0, between(0.1, 60))
-    view_width: int = setting(640, between(16, 4096))
-    view_height: int = setting(480, between(16, 4096))
+    view_width: int = setting(640, DRAWN_PIXELS)
+    view_height: int = setting(480, DRAWN_PIXELS)
     skip_images: bool = setting(False)
 
 

@@ -4,6 +4,9 @@ from dataclasses import dataclass
 from img_recog.settings import Settings, above, setting
 
 
+PERIOD_S = 0.1      # between two commands
+
+
 @dataclass(frozen=True)
 class VelocityLimits(Settings):
     """Limits of the velocities in m/s and rad/s: those of the burger (TurtleBot3 e-manual)."""

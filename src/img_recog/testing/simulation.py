@@ -12,6 +12,7 @@ from nav_msgs.msg import Odometry
 from sensor_msgs.msg import Image
 from visualization_msgs.msg import MarkerArray
 
+from img_recog.camera_arguments import CAMERA_TOPIC, ROBOT
 from img_recog.conversions import image_msgs, plane_msgs
 from img_recog.errors import UserError, one_line
 from img_recog.testing import evidence, launching
@@ -20,7 +21,7 @@ from img_recog.testing.running import Running
 from img_recog.testing.topics import Picture, Pose, pose_from_msg
 
 __tracebackhide__, __unittest = of_reasons, True     # as pytest and unittest know them
-_CAMERA, _VIEW = '/usb_cam/image_raw', '/gazebo/view/image_raw'
+_CAMERA, _VIEW = '/' + CAMERA_TOPIC, '/gazebo/view/image_raw'
 _OUTLINES = '/gazebo/world_outlines'
 _ODOMETRY, _IMAGE = 'nav_msgs/Odometry', 'sensor_msgs/Image'
 _SIMULATOR = '/gazebo'
@@ -38,7 +39,7 @@ class Simulation:
     is documented in doc/ci.md.
     """
 
-    def __init__(self, launch: Given = None, camera: str = 'robot', world: str = 'color_posts',
+    def __init__(self, launch: Given = None, camera: str = ROBOT, world: str = 'color_posts',
                  robot: Optional[str] = None, lockstep: str = 'none', recognition: bool = False,
                  real_time_factor: float = 0, name: str = '', results: str = '',
                  wall_timeout_s: float = 60.0, **demo_arguments: Any):

@@ -136,9 +136,9 @@ def test_large_images_of_a_folder_are_skipped(tmp_path):
 
 
 def test_synthetic_scene():
-    with pytest.raises(SourceError, match='cannot draw the synthetic scene: 16384x16384 are'):
-        open_source(UsbCamSettings(video_device='synthetic', image_width=16384,
-                                   image_height=16384))
+    with pytest.raises(SourceError, match='cannot draw the synthetic scene: 4096x4096 are'):
+        open_source(UsbCamSettings(video_device='synthetic', image_width=4096,
+                                   image_height=4096, max_image_pixels=1 << 20))
 
 
 def test_opencv_has_the_upper_end_as_its_own_limit(tmp_path):

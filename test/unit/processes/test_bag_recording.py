@@ -10,6 +10,8 @@ import xml.etree.ElementTree as ElementTree
 from concurrent.futures import ThreadPoolExecutor
 
 import pytest
+import roslaunch.config
+import roslaunch.xmlloader
 
 from img_recog.errors import UserError, one_line
 from img_recog.processes.bag_recording import BagRecording, RecordingSwitch
@@ -168,12 +170,14 @@ def test_a_recorder_after_a_failure(recording, tmp_path):
 def test_the_page_records_the_topics_that_the_demo_does():
     tree = ElementTree.parse(os.path.join(ROOT, 'launch', 'record.launch'))
     values = {each.get('name'): each.get('value') for each in tree.iter('arg')}
-    relative = values['robot_topics'].split()
-    absolute = next(tree.iter('node')).get('args').replace('$(arg options)', '').split()
-    assert sorted(absolute + relative) == sorted(bag_recording.TOPICS)
+    absolute, relative = values['topics'].split(), values['robot_topics'].split()
+    assert (*absolute, *relative) == bag_recording.TOPICS
     # several robots have them in each namespace
-    assert values['record_topics'] == '{}|(/.+)?/({})'.format(
-        '|'.join(absolute), '|'.join(relative))
+    config = roslaunch.config.ROSLaunchConfig()
+    roslaunch.xmlloader.XmlLoader().load(
+        os.path.join(ROOT, 'launch', 'record.launch'), config, argv=['robots:=4'], verbose=False)
+    assert config.nodes[0].args.endswith(" -O 'demo.bag' --regex {}|(/.+)?/({})".format(
+        '|'.join(absolute), '|'.join(relative)))
 
 
 def test_a_machine_without_setpriv(recording, monkeypatch, tmp_path):

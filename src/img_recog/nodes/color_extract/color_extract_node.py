@@ -29,6 +29,7 @@ from sensor_msgs.msg import CompressedImage, Image, PointCloud
 from std_msgs.msg import Header
 
 from img_recog import files
+from img_recog.camera_arguments import CAMERA_TOPIC
 from img_recog.conversions import color_detection_msgs, twist_msgs
 from img_recog.conversions.image_msgs import ImageError
 from img_recog.formats.still_images import ALLOWED_MAX_PIXELS, DEFAULT_MAX_PIXELS
@@ -37,7 +38,7 @@ from img_recog.nodes.color_extract.image_inputs import TRANSPORTS, ImageInput
 from img_recog.nodes.color_extract.recognition_diagnostics import RecognitionDiagnostics
 from img_recog.recognition import overlay, parameter_file
 from img_recog.recognition.areas import ColorExtractor
-from img_recog.recognition.commands import Command, Commander
+from img_recog.recognition.commands import POLL_PERIOD_S, Command, Commander
 from img_recog.recognition.recognition_settings import RecognitionSettings, with_colors
 from img_recog.ros import lifecycle, parameters
 from img_recog.ros.diagnostics import NodeDiagnostics
@@ -49,11 +50,10 @@ from img_recog.ros.transport.rosout import RecurringLine
 from img_recog.ros.yielding import Yielding
 from img_recog.settings import Settings, one_of, setting
 
-_CAMERA = 'usb_cam/image_raw'
-_TOPICS = (_CAMERA, 'cmd_vel', 'color_detection', 'color_overlay', '/rosout')
-# how often the loop looks whether the colors are lost. A frame of 640x480 takes 5 % less CPU time
-# if it looks only where that stops the robot
-_POLL_PERIOD_S, _NO_POLL_S = 0.1, 60.0
+_TOPICS = (CAMERA_TOPIC, 'cmd_vel', 'color_detection', 'color_overlay', '/rosout')
+# a frame of 640x480 takes 5 % less CPU time if the loop waits so long unless lost colors stop the
+# robot
+_NO_POLL_S = 60.0
 
 
 @dataclass(frozen=True)
@@ -87,7 +87,7 @@ class ColorExtract:
         self._warn = ThrottledWarning()
         self._shown, self._line = ChangeThrottle(1.0), RecurringLine()
         transport = given.image_transport
-        self._counts = counts = RecognitionDiagnostics(rospy.resolve_name(_CAMERA) + (
+        self._counts = counts = RecognitionDiagnostics(rospy.resolve_name(CAMERA_TOPIC) + (
             '' if transport == 'raw' else '/' + transport))
         self._velocity, self._yielding = DirectPublisher('cmd_vel', Twist), Yielding()
         self._masked = [ImagePublisher(topic) for topic in topics]
@@ -99,7 +99,7 @@ class ColorExtract:
         self._failure: Optional[Exception] = None       # of another thread, for the loop
         lifecycle.on_shutdown(self._shutdown)
         with self._frame_lock:      # images may come before it returns
-            self._input = ImageInput(_CAMERA, transport, counts, given.max_image_pixels,
+            self._input = ImageInput(CAMERA_TOPIC, transport, counts, given.max_image_pixels,
                                      self.process)
         Reconfigurable(settings, self._configure)
         lifecycle.on_shutdown(self._input.wake)
@@ -111,7 +111,7 @@ class ColorExtract:
         """Process what is left to the loop until the node is shut down."""
         while not self._is_shutdown.is_set():
             msg = self._input.take(
-                _POLL_PERIOD_S if self._settings.stop_when_lost else _NO_POLL_S)
+                POLL_PERIOD_S if self._settings.stop_when_lost else _NO_POLL_S)
             if self._failure is not None:
                 raise self._failure
             with self._frame_lock:

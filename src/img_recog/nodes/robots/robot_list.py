@@ -6,12 +6,12 @@ from typing import Any, Callable, Dict, List, Mapping, NamedTuple, Optional
 import rosgraph
 
 from img_recog.camera.usb_cam_settings import FOURCC
+from img_recog.camera_arguments import PIXELS, RATES, ROBOT, SYNTHETIC, check_drawn
 from img_recog.errors import UserError, one_line, shortened
 from img_recog.formats.markup import MarkupError, read_bytes
 from img_recog.formats.yaml_text import load_yaml
-from img_recog.settings import (SettingError, Settings, any_value, at_least, between,
-                                from_mapping, not_empty, one_of, setting, setting_fields,
-                                unknown)
+from img_recog.settings import (SettingError, Settings, any_value, from_mapping, not_empty,
+                                one_of, setting, setting_fields, unknown)
 
 MAX_ROBOTS = 100
 _NAME = 'tb3_{}'            # of turtlebot3_gazebo's multi_turtlebot3.launch
@@ -19,8 +19,8 @@ _POSE = ('x_pos', 'y_pos', 'z_pos', 'yaw')
 _PATHS = ('urdf', 'colors')
 _FILE = 'file://'
 _SIMULATION = 'simulation'
-_AUTO, _SYNTHETIC = 'auto', 'synthetic'
-_CAMERAS = (_SYNTHETIC, 'robot', 'none')
+_AUTO = 'auto'
+_CAMERAS = (SYNTHETIC, ROBOT, 'none')
 # namespaces of nodes, and names of the world in services of gazebo_ros
 _RESERVED = ('gazebo', 'map', 'robots', 'world')
 _MAX_INT = 0x7fffffff       # on the parameter server
@@ -43,14 +43,19 @@ class NodeSettings(Settings):
     urdf: str = setting('', any_value())
     camera: str = setting('auto', not_empty())
     colors: str = setting('', any_value())
-    image_width: int = setting(640, between(1, 4096))
-    image_height: int = setting(480, between(1, 4096))
-    framerate: float = setting(30.0, at_least(0.01))
+    image_width: int = setting(640, PIXELS)
+    image_height: int = setting(480, PIXELS)
+    framerate: float = setting(30.0, RATES)
     pixel_format: str = setting('mjpeg', one_of(*sorted(FOURCC)))
     camera_info_url: str = setting('', any_value())
     recognition: bool = setting(True)
     teleop: bool = setting(True)
     safe: bool = setting(False)
+
+    def __post_init__(self):
+        super().__post_init__()
+        if self.camera in (SYNTHETIC, ROBOT):
+            check_drawn(self)
 
 
 class RobotRow(NamedTuple):
@@ -209,7 +214,7 @@ def camera(value: Any, folder: str) -> str:
                            'video, image or folder of images, or a URL')
     beside = os.path.join(folder, value)
     if value == _AUTO:
-        return _SYNTHETIC       # robots cannot share a device
+        return SYNTHETIC       # robots cannot share a device
     if value in _CAMERAS or '://' in value:
         return value
     if not os.path.exists(beside):

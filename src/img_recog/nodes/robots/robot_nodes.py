@@ -8,6 +8,7 @@ from roslaunch import config, launch, pmon, rlutil, xmlloader
 
 from img_recog.loading import resources
 from img_recog.nodes.robots.robot_list import RobotRow
+from img_recog.recognition.parameter_file import COLORS_FILE
 from img_recog.ros import lifecycle
 
 # roslaunch waits 15 s for the end of this node, which sends SIGTERM to a node of a robot after 8 s
@@ -39,6 +40,8 @@ class RobotNodes:
         launched = config.ROSLaunchConfig()
         xmlloader.XmlLoader().load(resources.find('package://img_recog/launch/robot.launch'),
                                    launched, argv=arguments(robot, values), verbose=False)
+        # the node robots has checked the file already
+        launched.params.pop('/{}/color_extract/{}'.format(robot.name, COLORS_FILE), None)
         for node in launched.nodes:
             # `process_died` replaces respawn.py, which takes 9 MB for a node. If this process is
             # killed, the kernel interrupts the node

@@ -19,6 +19,8 @@ from roslaunch import RLException
 from std_srvs.srv import Trigger, TriggerRequest, TriggerResponse
 
 from img_recog import files
+from img_recog.camera_arguments import (CAMERA_INFO_TOPIC, CAMERA_TOPIC, FRAME, ROBOT,
+                                        ROBOT_LINK)
 from img_recog.errors import UserError, one_line
 from img_recog.loading import resources, robot_file
 from img_recog.nodes.robots import robot_list, robot_nodes
@@ -36,7 +38,6 @@ _PATIENCE_S = 10.0          # with a simulator that starts
 _RELOAD_TIMEOUT_S = 600.0
 _SIMULATED = 'gazebo/robots'
 _UPDATE = 'gazebo/update_robots'
-_ROBOT = 'robot'
 # what must not outlive a robot, in its namespace: also those of the nodes of robot.launch
 _PARAMETERS = ('robot_description', 'color_extract', 'robot_state_publisher',
                'turtlebot3_teleop_keyboard', 'usb_cam')
@@ -55,8 +56,8 @@ class ManagerSettings(Settings):
     robots: str = setting('1', not_empty())
     simulator: bool = setting(True)
     respawn: bool = setting(True)
-    robot_camera_frame: str = setting('camera_link', not_empty())
-    camera_frame_id: str = setting('head_camera', not_empty())
+    robot_camera_frame: str = setting(ROBOT_LINK, not_empty())
+    camera_frame_id: str = setting(FRAME, not_empty())
 
     def __post_init__(self):
         if type(self.robots) is int:        # rosrun makes a number of _robots:=4
@@ -192,13 +193,13 @@ class RobotsNode:
     def _parameters_of(self, robot: RobotRow) -> dict:
         """Return the parameters of a robot in the simulator."""
         nodes = robot.nodes
-        if nodes.camera != _ROBOT:
+        if nodes.camera != ROBOT:
             return robot.simulation
         return {'camera_frame': self._settings.robot_camera_frame,
                 'camera_optical_frame': self._settings.camera_frame_id,
-                'camera_image_topic': 'usb_cam/image_raw',
-                'camera_info_topic': 'usb_cam/camera_info', 'camera_width': nodes.image_width,
-                'camera_height': nodes.image_height, 'camera_rate': nodes.framerate,
+                'camera_image_topic': CAMERA_TOPIC, 'camera_info_topic': CAMERA_INFO_TOPIC,
+                'camera_width': nodes.image_width, 'camera_height': nodes.image_height,
+                'camera_rate': nodes.framerate,
                 **robot.simulation}
 
     def _stop(self, names: List[str]) -> None:
@@ -232,9 +233,7 @@ def _colors_of(robot: RobotRow) -> Optional[Dict[str, Any]]:
     """Return what the file of colors of a robot holds, None if it needs none. Raises UserError."""
     if not robot.nodes.recognition:
         return None
-    values = parameter_file.values_in(robot.nodes.colors)
-    parameter_file.settings_in(values, robot.nodes.colors)
-    return values
+    return parameter_file.load(robot.nodes.colors).values
 
 
 def _urdf_of(robot: RobotRow, texts: Dict[str, str]) -> str:

@@ -6,6 +6,7 @@ from typing import Dict, List, Mapping, NamedTuple, Set, Union
 import rosgraph
 import rospy
 
+from img_recog.camera_arguments import CAMERA_TOPIC
 from img_recog.errors import UserError, one_line
 from img_recog.nodes.web.color_samples import ColorSamples
 from img_recog.nodes.web.driving import Driving
@@ -57,7 +58,7 @@ class ShownRobot:
         self.topics = system, own, self.navigation
         self.driving = Driving(limits, self.resolve('cmd_vel'))
         self.colors = ColorTuning(self.resolve('color_extract'))
-        self.samples = ColorSamples(self.resolve('usb_cam/image_raw'), pictures)
+        self.samples = ColorSamples(self.resolve(CAMERA_TOPIC), pictures)
         self.pose = PosePublisher(self.name, lambda: own.frame_id)
 
     def resolve(self, name: str) -> str:
@@ -77,7 +78,7 @@ class ShownRobot:
         except (*timed_xmlrpc.ERRORS, UserError, AttributeError) as error:
             self._warn('the colors of color_extract: %s', one_line(error))
         return [
-            PictureTopic(self.resolve('usb_cam/image_raw'), 'camera'),
+            PictureTopic(self.resolve(CAMERA_TOPIC), 'camera'),
             PictureTopic(rospy.resolve_name('gazebo/view/image_raw'), 'view'),
             PictureTopic(self.resolve('camera/rgb/image_raw'), 'robot_camera'),
             *(PictureTopic(self.resolve(topics.get(name) or name + '_image'), 'mask', name)

@@ -9,7 +9,7 @@ import numpy as np
 from sensor_msgs.msg import Image, PointCloud2
 from std_msgs.msg import Header
 
-from img_recog.ros.transport import memory
+from img_recog.processes import memory
 from img_recog.ros.transport.outbox import Packet
 from img_recog.ros.transport.outbox_publisher import OutboxPublisher
 from img_recog.ros.transport.redelivery import Redelivery

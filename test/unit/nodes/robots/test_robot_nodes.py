@@ -5,6 +5,7 @@ import sys
 import pytest
 from roslaunch import nodeprocess, pmon
 
+from img_recog.loading import resources
 from img_recog.nodes.robots import robot_nodes
 from img_recog.nodes.robots.robot_list import NodeSettings, RobotRow
 from img_recog.nodes.robots.robot_nodes import RobotNodes
@@ -33,13 +34,14 @@ def nodes(monkeypatch, tmp_path):
     """A function that runs Python code in place of the nodes; without a master."""
     made = []
 
-    def run(*codes, package='img_recog', respawn=True, launched=()):
+    def run(*codes, package='img_recog', respawn=True, launched=(), **settings):
         launched = launched if isinstance(launched, list) else []
 
         class Runner:
             def __init__(self, run_id, config, pmon, sigint_timeout):
                 self.monitor = pmon
                 launched.extend(config.nodes)
+                self.monitor.parameters = set(config.params)
 
             def launch(self):
                 for number, code in enumerate(codes):
@@ -50,7 +52,7 @@ def nodes(monkeypatch, tmp_path):
                     self.monitor.register(process)
                     assert process.start()
         monkeypatch.setattr(robot_nodes.launch, 'ROSLaunchRunner', Runner)
-        made.append(RobotNodes(ROBOT._replace(nodes=NodeSettings()), {}))
+        made.append(RobotNodes(ROBOT._replace(nodes=NodeSettings(**settings)), {}))
         return made[-1]
     yield run
     for each in made:
@@ -88,6 +90,12 @@ def test_the_nodes_have_no_program_beside_them_and_keep_their_environment(nodes,
         assert '${node}' in environment['ROSCONSOLE_FORMAT']
     # robots share no keyboard
     assert environments['turtlebot3_teleop_keyboard']['IMG_RECOG_NO_KEYS'] == '1'
+
+
+def test_a_file_of_colors_that_was_checked_is_not_checked_again_by_its_node(nodes):
+    parameters = nodes(SLEEPS, colors=resources.colors())._monitor.parameters
+    assert '/tb3_1/color_extract/colors' in parameters
+    assert '/tb3_1/color_extract/colors_file' not in parameters
 
 
 def test_the_signals_are_left_to_the_node(nodes):

@@ -7,7 +7,7 @@ import pytest
 PROGRAM = '''
 import resource
 import numpy as np
-from img_recog.ros.transport import memory
+from img_recog.processes import memory
 if {}:
     memory.keep()
 
