@@ -89,7 +89,7 @@ def any_value() -> Allowed:
 # The squares and products of such numbers can be computed: with 1e308, the largest one of a
 # double, and its kind, the physics would compute NaN.
 _LARGEST, _SMALLEST = 1e30, 1e-30
-_MAX_INT = 0x7fffffff       # integers on the parameter server have 32 bits
+MAX_INT = 0x7fffffff       # integers on the parameter server have 32 bits
 _TYPE_TEXTS = {int: 'a whole number', float: 'a finite number', bool: 'true or false',
                str: 'a string'}
 
@@ -188,7 +188,7 @@ def computable(value: float) -> float:
 def _as_roscpp(field: dataclasses.Field, value: Any) -> Any:
     """Return what roscpp makes of a value; a number that no int holds may be returned as it is."""
     kind = field.metadata['kind']
-    if kind is int and type(value) is float and abs(value) <= _MAX_INT:
+    if kind is int and type(value) is float and abs(value) <= MAX_INT:
         return math.floor(value) if math.fmod(value, 1.0) < 0.5 else math.ceil(value)
     is_usable = (type(value), kind) in ((kind, kind), (float, int), (int, float), (str, float))
     return value if is_usable else field.default
@@ -204,12 +204,12 @@ def _checked(field: dataclasses.Field, value: Any) -> Any:
         with contextlib.suppress(ValueError):       # YAML 1.1 does not read 1e-3 as a number
             value = float(value)
     # compare types: bool is a subclass of int, and True is not a valid width
-    if type(value) is int and abs(value) > _MAX_INT:
+    if type(value) is int and abs(value) > MAX_INT:
         raise SettingError(field.name, value, text + ', within 32 bits')
     if value_type is float and type(value) is int:
         value = float(value)
     if value_type is int and type(value) is float and value.is_integer() and abs(
-            value) <= _MAX_INT:
+            value) <= MAX_INT:
         value = int(value)      # like roscpp
     used = computable(value) if type(value) is float and math.isfinite(value) else value
     if (type(value) is not value_type or (value_type is float and not math.isfinite(value))

@@ -9,15 +9,15 @@ from typing import Any, Dict, Iterator, List, Mapping, NamedTuple, Sequence, Tup
 
 from img_recog.batch.labels import of_value, unique
 from img_recog.errors import UserError, one_line, shortened, suggestion
-from img_recog.formats.markup import MarkupError, read_bytes
-from img_recog.formats.yaml_text import load_yaml
+from img_recog.formats.markup import MarkupError
+from img_recog.formats.yaml_text import read_yaml
 from img_recog.loading import resources
 from img_recog.rendering.light import LightSettings
 from img_recog.settings import (SettingError, Settings, above, at_least, between, from_mapping,
                                 not_empty, setting, setting_fields)
 from img_recog.simulation.simulation_settings import CameraSettings, DriveSettings, SpawnSettings
 
-_MAX_BYTES, _MAX_RUNS = 1 << 20, 10 ** 6
+_MAX_RUNS = 10 ** 6
 _PARAMETERS, _CELLS, _SUCCESS, _FROM, _TO = 'parameters', 'cells', 'success', 'from', 'to'
 _PATHS = 'world', 'urdf', 'colors'
 _EMPTY_WORLD = 'empty'
@@ -122,7 +122,7 @@ class Sweep(NamedTuple):
 def read(path: str) -> Sweep:
     """Return what a file says; raise UserError, with the place in it, if that is not possible."""
     try:
-        content = load_yaml(read_bytes(path, _MAX_BYTES))
+        content = read_yaml(path)
     except (OSError, MarkupError) as error:
         raise UserError('cannot read the sweep {}: {}'.format(path, one_line(error)))
     if not isinstance(content, dict) or not isinstance(content.get(_PARAMETERS), dict):

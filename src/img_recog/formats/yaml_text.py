@@ -5,8 +5,9 @@ import re
 from typing import Any, Dict, Set
 
 from img_recog.errors import one_line, shortened
-from img_recog.formats.markup import MarkupError
+from img_recog.formats.markup import MarkupError, read_bytes
 
+_MAX_BYTES = 1 << 20     # of a file that a user writes
 _MERGE = '<<'            # a key of YAML that takes over those of another mapping
 
 
@@ -41,6 +42,11 @@ def _angle(text: str) -> float:
 
 def _factor(word: str) -> float:
     return {'pi': math.pi, '-pi': -math.pi}.get(word.strip()) or float(word)
+
+
+def read_yaml(path: str) -> Any:
+    """Return the content of a YAML file; raise OSError or, as `load_yaml`, MarkupError."""
+    return load_yaml(read_bytes(path, _MAX_BYTES))
 
 
 def load_yaml(text: bytes) -> Any:

@@ -4,15 +4,15 @@ import reprlib
 from typing import Any, Dict, List, NamedTuple, Sequence
 
 from img_recog.errors import one_line, shortened, suggestion
-from img_recog.formats.markup import MarkupError, read_bytes
-from img_recog.formats.yaml_text import load_yaml
+from img_recog.formats.markup import MarkupError
+from img_recog.formats.yaml_text import read_yaml
 from img_recog.recognition.recognition_settings import (DEFAULT_COLORS, RecognitionSettings,
                                                         color_in, color_names, with_colors)
 from img_recog.settings import ParameterError, SettingError, from_mapping, setting_fields, unknown
 
 COLORS, COLORS_FILE = 'colors', 'colors_file'
 IMAGE_TOPIC = '{}_image_topic'
-_MAX_BYTES, _MAX_LENGTH = 1 << 20, 1000     # of the file, and of a name or text in it
+_MAX_LENGTH = 1000      # of a name or text
 _MAX_SHOWN = 50         # characters of a name in an error
 _ADVICE = 'give a parameter file of color_extract, like config/colors.yaml'
 # parameters of the node color_extract that do not affect the recognition itself
@@ -89,7 +89,7 @@ def unknown_color(color: str, names: Sequence[str]) -> str:
 def _values_in(path: str) -> Dict[str, Any]:
     """Return the parameters in a YAML file, unchecked; raise ParameterError, as `load` does."""
     try:
-        values = load_yaml(read_bytes(path, _MAX_BYTES))
+        values = read_yaml(path)
     except (OSError, MarkupError) as error:
         raise ParameterError('cannot read the parameters in {}: {}'.format(path, one_line(error)),
                              _ADVICE)

@@ -13,6 +13,7 @@ from img_recog.errors import shortened
 from img_recog.ros import lifecycle
 
 _PERIOD_S = 1.0
+MIN_SHARE = 0.8             # of a rate that is expected: below is a warning
 WINDOW_S = 3.0              # in which rates are measured
 
 Report = Callable[[DiagnosticStatusWrapper], None]

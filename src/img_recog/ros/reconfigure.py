@@ -11,12 +11,12 @@ from dynamic_reconfigure.server import Server
 from dynamic_reconfigure.srv import ReconfigureRequest
 
 from img_recog.errors import UserError, one_line, shortened
-from img_recog.settings import (SettingError, Settings, SettingsType, allowed_text,
+from img_recog.settings import (MAX_INT, SettingError, Settings, SettingsType, allowed_text,
                                 setting_fields)
 
 # dynamic_reconfigure's names for the types, and its bounds where a field has none.
 _TYPES = {bool: 'bool', int: 'int', float: 'double', str: 'str'}
-_BOUNDS = {bool: (False, True), int: (-0x80000000, 0x7fffffff),
+_BOUNDS = {bool: (False, True), int: (-MAX_INT - 1, MAX_INT),
            float: (-float('inf'), float('inf')), str: ('', '')}
 
 

@@ -5,11 +5,10 @@ from typing import Callable, Tuple
 from diagnostic_msgs.msg import DiagnosticStatus
 from diagnostic_updater import DiagnosticStatusWrapper
 
-from img_recog.ros.diagnostics import (Durations, EventCounter, Refusals, add_counter,
+from img_recog.ros.diagnostics import (MIN_SHARE, Durations, EventCounter, Refusals, add_counter,
                                        add_durations, add_refusals)
 
 _STALE_S = 2.0          # without an image: longer is a warning
-_MIN_SHARE = 0.8        # of the images that are processed: below is a warning
 _MAX_LATENCY_S = 60.0   # a larger one is an image with old stamps, as of a bag
 
 
@@ -63,7 +62,7 @@ class RecognitionDiagnostics:
         if silent_s > _STALE_S:
             return DiagnosticStatus.WARN, 'no images on {} {}: start a camera'.format(
                 self.topic, 'for {:.0f} s'.format(silent_s) if self._reported else 'yet')
-        if replaced_hz > (1 - _MIN_SHARE) * received_hz:
+        if replaced_hz > (1 - MIN_SHARE) * received_hz:
             return DiagnosticStatus.WARN, ('too slow: {:.1f} of {:.1f} images a second are '
                                            'processed; use a smaller image or rate'.format(
                                                processed_hz, received_hz))

@@ -6,11 +6,9 @@ from diagnostic_msgs.msg import DiagnosticStatus
 from diagnostic_updater import DiagnosticStatusWrapper
 
 from img_recog.nodes.gazebo.physics_services import ServiceCalls
-from img_recog.ros.diagnostics import (Durations, EventCounter, Refusals, add_counter,
+from img_recog.ros.diagnostics import (MIN_SHARE, Durations, EventCounter, Refusals, add_counter,
                                        add_durations, add_refusals)
 from img_recog.simulation.pacing import Pace
-
-_MIN_SHARE = 0.8        # of the wanted real time factor: below is a warning
 
 
 class CommandCounts:
@@ -82,7 +80,7 @@ class SimulationDiagnostics:
 def _summary(pace: Pace) -> Tuple[int, str]:
     if pace.is_paused:
         return DiagnosticStatus.OK, 'paused'
-    if 0 < pace.measured < _MIN_SHARE * pace.wanted:
+    if 0 < pace.measured < MIN_SHARE * pace.wanted:
         return DiagnosticStatus.WARN, (
             'too slow: real time factor {:.2f} instead of {:g}; use a smaller real_time_factor, '
             'or close windows'.format(pace.measured, pace.wanted))

@@ -8,10 +8,10 @@ import rosgraph
 from img_recog.camera.usb_cam_settings import FOURCC
 from img_recog.camera_arguments import PIXELS, RATES, ROBOT, SYNTHETIC, check_drawn
 from img_recog.errors import UserError, one_line, shortened
-from img_recog.formats.markup import MarkupError, read_bytes
-from img_recog.formats.yaml_text import load_yaml
-from img_recog.settings import (SettingError, Settings, any_value, from_mapping, not_empty,
-                                one_of, setting, setting_fields, unknown)
+from img_recog.formats.markup import MarkupError
+from img_recog.formats.yaml_text import read_yaml
+from img_recog.settings import (MAX_INT, SettingError, Settings, any_value, from_mapping,
+                                not_empty, one_of, setting, setting_fields, unknown)
 
 MAX_ROBOTS = 100
 _NAME = 'tb3_{}'            # of turtlebot3_gazebo's multi_turtlebot3.launch
@@ -23,9 +23,7 @@ _AUTO = 'auto'
 _CAMERAS = (SYNTHETIC, ROBOT, 'none')
 # namespaces of nodes, and names of the world in services of gazebo_ros
 _RESERVED = ('gazebo', 'map', 'robots', 'world')
-_MAX_INT = 0x7fffffff       # on the parameter server
 _MAX_NAME = 100
-_MAX_BYTES = 1 << 20
 
 
 class RobotListError(UserError):
@@ -114,7 +112,7 @@ def read_robots(robots: str, defaults: Mapping[str, Any],
 def _from_file(path: str, defaults: Mapping[str, Any],
                find: Callable[[str], Optional[str]]) -> RobotList:
     try:
-        entries = load_yaml(read_bytes(path, _MAX_BYTES))
+        entries = read_yaml(path)
     except (OSError, MarkupError) as error:
         raise RobotListError('robots: cannot read {}: {}'.format(path, one_line(error)),
                              'give a number of robots, or the path of a YAML file')
@@ -201,7 +199,7 @@ def _is_parameter(key: Any, value: Any) -> bool:
     # XML-RPC has no control characters
     return isinstance(value, (bool, float)) or (
         isinstance(value, str) and value.isprintable()) or (
-        isinstance(value, int) and abs(value) <= _MAX_INT)
+        isinstance(value, int) and abs(value) <= MAX_INT)
 
 
 def camera(value: Any, folder: str) -> str:

@@ -6,9 +6,9 @@ from diagnostic_msgs.msg import DiagnosticStatus
 from diagnostic_updater import DiagnosticStatusWrapper
 
 from img_recog.camera.source import FrameSource
-from img_recog.ros.diagnostics import WINDOW_S, EventCounter, Durations, Refusals, add_durations
+from img_recog.ros.diagnostics import (MIN_SHARE, WINDOW_S, Durations, EventCounter, Refusals,
+                                       add_durations)
 
-_MIN_SHARE = 0.8        # of the expected rate: below is a warning
 _MIN_MEASURED_S = 0.5
 # a source that the node reads at a rate; a device gives frames by itself
 _LATE = 'the frames are late; a smaller image, a lower rate or fewer subscribers may help'
@@ -89,7 +89,7 @@ class CameraDiagnostics:
             return DiagnosticStatus.OK, 'starting' if self._source else 'waiting for a first frame'
         if rate_hz == 0:
             return DiagnosticStatus.WARN, 'no frames: ' + self._advice[0]
-        if expected_hz and rate_hz < _MIN_SHARE * expected_hz:
+        if expected_hz and rate_hz < MIN_SHARE * expected_hz:
             return DiagnosticStatus.WARN, '{:.1f} Hz instead of {:g} Hz: {}'.format(
                 rate_hz, expected_hz, _LATE if self._source and self._source.rate_hz else _DARK)
         return DiagnosticStatus.OK, '{:.1f} Hz'.format(rate_hz)

@@ -5,7 +5,8 @@ import numpy as np
 
 from img_recog.errors import UserError
 from img_recog.recognition.fitting.boxes import BoxSearch, Found, Objective
-from img_recog.recognition.fitting.histograms import HUES, LEVELS, SHAPE, UNIT, Sampled
+from img_recog.recognition.fitting.histograms import (CHANNELS, HUES, LEVELS, SHAPE, UNIT,
+                                                      Sampled)
 from img_recog.recognition.fitting.limits import TIE
 from img_recog.recognition.fitting.score import Score
 from img_recog.recognition.fitting.volume import Box, SummedVolume, box_of, edges_of
@@ -19,7 +20,6 @@ _MARGIN_STEP, _MARGINS, _KEPT = (1, 4, 4), 12, 0.95
 # weights of recall among which the objective `frames` chooses
 _BETAS = 1.0, 0.25, 0.5, 2.0, 4.0
 _WORST = 0.5         # or precision; below, bounds are of no use
-_NAMES = 'hue', 'saturation', 'value'
 TIMES_ADVICE = 'correct the times, or mark the color in a frame'
 
 
@@ -171,7 +171,7 @@ def described(box: Box) -> str:
     >>> described(Box((170, 10), (100, 255), (0, 255)))
     'hue 170-10, saturation 100-255, value 0-255'
     """
-    return ', '.join('{} {}-{}'.format(name, *part) for name, part in zip(_NAMES, box))
+    return ', '.join('{} {}-{}'.format(name, *part) for name, part in zip(CHANNELS, box))
 
 
 def as_parameters(color: str, box: Box) -> Dict[str, int]:
@@ -181,7 +181,7 @@ def as_parameters(color: str, box: Box) -> Dict[str, int]:
     180
     """
     values = {}
-    for part, (low, high) in zip(_NAMES, box):
+    for part, (low, high) in zip(CHANNELS, box):
         values['{}_{}_min'.format(color, part)] = low
         values['{}_{}_max'.format(color, part)] = (
             HUES if part == 'hue' and (low, high) == (0, HUES - 1) else high)

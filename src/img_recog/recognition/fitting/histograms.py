@@ -8,6 +8,7 @@ from img_recog.errors import UserError
 from img_recog.recognition.fitting.excess import shares
 from img_recog.recognition.fitting.volume import Sparse, sparse
 
+CHANNELS = 'hue', 'saturation', 'value'
 HUES, LEVELS = 180, 256
 SHAPE = HUES, LEVELS, LEVELS
 # pixels that are counted at a time, which a 32 bit float of OpenCV's histogram counts one by one

@@ -6,12 +6,11 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from img_recog.recognition.fitting.histograms import HUES, SHAPE, UNIT, Sampled
+from img_recog.recognition.fitting.histograms import CHANNELS, HUES, SHAPE, UNIT, Sampled
 from img_recog.recognition.fitting.volume import Box, edges_of
 from img_recog.recognition.recognition_settings import Color
 
 _WIDTH_IN, _ROW_IN = 12.0, 2.6
-_NAMES = 'hue', 'saturation', 'value'
 _STRIP = -0.06      # share of the height, of the strip of hues below the axis
 _GREY, _SMALL = '0.78', 8       # the latter in points, of text
 # the scale of the counts ends at 25 times the highest colored bar, so that it stays visible
@@ -60,8 +59,8 @@ def draw(figure: Figure, profiles: List[Profile]) -> None:
                                top=1 - 0.35 / (_ROW_IN * len(profiles)),
                                bottom=0.5 / (_ROW_IN * len(profiles)))
     for row, (color, counts) in enumerate(profiles):
-        for axis, (name, bounds) in enumerate(zip(_NAMES, (color.hue, color.saturation,
-                                                           color.value))):
+        for axis, (name, bounds) in enumerate(zip(CHANNELS, (color.hue, color.saturation,
+                                                             color.value))):
             axes = figure.add_subplot(grid[row, axis])
             axes.tick_params(labelsize=_SMALL)
             color_rgb = _hue_rgb(np.array([color.middle_hue]))[0]
