@@ -285,6 +285,13 @@ def check_files(words):
     words: as returned by Arguments.checked. Without such words, nothing is imported.
     """
     given = dict(word.split(':=', 1) for word in words if ':=' in word)
+    if os.path.isabs(given.get('camera', '')):
+        from img_recog.camera import selection
+        selection.find(given['camera'], [''])
+    if os.path.isabs(given.get('robots', '')):
+        from img_recog.loading import resources
+        from img_recog.nodes.robots import robot_list
+        robot_list.read_robots(given['robots'], {}, resources.find)
     if 'colors' in given:
         from img_recog.recognition import parameter_file
         parameter_file.read(given['colors'])

@@ -309,6 +309,8 @@ def test_without_a_terminal_it_does_not_ask_and_the_output_is_in_the_log(checkou
     env, log = bare
     code, output = run(checkout, env, 'setup')
     assert code == 0 and '[Y/n]' not in output, output
+    assert output.endswith(
+        '[run] setup is done; start the demo with ./run demo, which builds first\n')
     assert re.search(r'\d+ system packages of packages-\w+\.txt are missing: .*cmake', output)
     assert len(installs(log)) == 1 and 'Setting up' not in output
     with open(os.path.join(checkout, 'build', 'apt.log')) as file:
@@ -509,6 +511,7 @@ def test_it_says_in_advance_that_pybullet_is_compiled(tiny, tmp_path):
 def test_messages_are_in_japanese_if_lang_says_so(checkout, bare):
     env, _ = bare
     code, output = run(checkout, dict(env, LANG='ja_JP.UTF-8'), 'setup')
+    assert '[run] セットアップが完了しました。' in output.splitlines()[-1]
     assert code == 0 and re.search(r'システムパッケージ \d+ 個 \(packages-\w+.txt に記載\)', output)
     code, output = run(checkout, dict(env, LANG='ja_JP.UTF-8'), 'demo', 'cameras:=auto')
     assert code == 1 and '[run] demo.launch に引数 cameras はありません。camera の間違い' in output

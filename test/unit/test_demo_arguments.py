@@ -83,7 +83,10 @@ def test_accepted(checked, words):
      'xacro cannot expand FILE: '),
     ('colors', 'colors: [blue\n',
      'cannot read the parameters in FILE: no YAML, line 2, column 1: '),
-    ('world', '<sdf><world>', 'xacro cannot expand FILE: not XML: no element found')])
+    ('camera', None, 'cannot open FILE: no such file or device (have '),
+    ('robots', None, 'robots: cannot read FILE: No such file or directory; give a number of'),
+    ('world', '<sdf><world>',
+     'xacro cannot expand FILE: not XML: it is empty, or ends at line 1 ')])
 def test_a_file_that_roslaunch_cannot_load_is_refused_in_a_line(tmp_path, name, content, words):
     path = tmp_path / 'robot.xacro'
     if content:
@@ -96,7 +99,7 @@ def test_a_urdf_that_is_not_xml_is_refused_before_the_start(tmp_path):
     path = tmp_path / 'r.urdf'
     path.write_text('<robot name="r">')
     assert refusal(tool('demo').check_files, ['urdf:={}'.format(path)]).startswith(
-        'cannot use the robot in {}: not XML: no element found: line 1'.format(path))
+        'cannot use the robot in {}: not XML: it is empty, or ends at line 1 before'.format(path))
 
 
 @pytest.mark.parametrize('code', [errno.ENOSPC, errno.EDQUOT])

@@ -46,7 +46,7 @@ def open_source(settings: UsbCamSettings, folders: Sequence[str] = ('',),
     if '://' in name:
         from img_recog.camera.url_source import open_url    # PyAV takes 0.1 s to load
         return open_url(settings, warn)
-    path = _find(name, folders)
+    path = find(name, folders)
     mode = os.stat(path).st_mode
     if stat.S_ISREG(mode) or stat.S_ISDIR(mode):
         try:
@@ -91,7 +91,8 @@ def open_file(path: str, rate_hz: float, loop: bool = True,
     return VideoSource(path, loop, warn, max_pixels)
 
 
-def _find(name: str, folders: Sequence[str]) -> str:
+def find(name: str, folders: Sequence[str]) -> str:
+    """Return the path of a device, file or folder; RefusedSource if it does not exist."""
     candidates = [os.path.join(folder, os.path.expanduser(name)) for folder in folders]
     for path in candidates:
         if os.path.exists(path):

@@ -26,6 +26,13 @@ class _NotXmlError(MarkupError):
     """A text is not XML."""
 
 
+def _not_xml(error: expat.ExpatError) -> _NotXmlError:
+    if error.code == expat.errors.codes[expat.errors.XML_ERROR_NO_ELEMENTS]:
+        return _NotXmlError('not XML: it is empty, or ends at line {} before the root element is '
+                            'complete'.format(error.lineno))
+    return _NotXmlError('not XML: {}'.format(one_line(error)))
+
+
 def read_bytes(path: str, max_bytes: int = MAX_BYTES, opener: Any = None) -> bytes:
     """Return the content of a file; raise OSError, and MarkupError if it is too large.
 
@@ -60,7 +67,7 @@ def _parsed(text: Union[str, bytes]) -> ElementTree.Element:
     try:
         return ElementTree.fromstring(text)
     except ElementTree.ParseError as error:
-        raise _NotXmlError('not XML: {}'.format(one_line(error)))
+        raise _not_xml(error)
     except (LookupError, ValueError) as error:
         raise MarkupError('not XML: {}'.format(one_line(error)))
 
@@ -134,7 +141,7 @@ def check_xml(text: Union[str, bytes]) -> None:
     try:
         parser.Parse(text, True)
     except expat.ExpatError as error:
-        raise _NotXmlError('not XML: {}'.format(one_line(error)))
+        raise _not_xml(error)
     except (LookupError, ValueError) as error:
         raise MarkupError('not XML: {}'.format(one_line(error)))
 

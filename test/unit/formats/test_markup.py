@@ -40,7 +40,7 @@ HOSTILE_XML = {
     'endless tag': ('<robot>\n<a' + ' b="1"' * 800000 + '/></robot>',
                     'a tag, comment or text at line 2 has more than 4194304 characters'),
     'NUL': ('<robot>\0</robot>', 'not XML: not well-formed (invalid token): line 1'),
-    'empty': ('', 'not XML: no element found'),
+    'empty': ('', 'not XML: it is empty, or ends at line 1 before the root element is complete'),
     'tag that is not closed': ('<robot' + ' ' * 3000000, 'not XML'),
     'surrogate': ('<robot name="\ud800"/>', 'not XML'),
 }
