@@ -15,8 +15,10 @@ from img_recog.simulation.physics.tires import wheel_of
 # in the group of what moves. The bits of a file's bitmask are shifted beyond these groups.
 _MOVING, _STATIC, _FLOOR, _WHEEL, _TREADS, _SHIFT = 1, 2, 4, 8, 16, 8
 
-_COLLIDES = {_MOVING: ~_TREADS, _STATIC: ~(_STATIC | _FLOOR | _TREADS),
-             _FLOOR: ~(_STATIC | _FLOOR | _WHEEL), _WHEEL: ~(_FLOOR | _TREADS), _TREADS: _FLOOR}
+# PyBullet finds one edge of a wheel on a sill. The treads add the other one, and the wheel itself
+# also meets what is between them.
+_COLLIDES = {_MOVING: ~_TREADS, _STATIC: ~(_STATIC | _FLOOR), _TREADS: _STATIC | _FLOOR,
+             _FLOOR: ~(_STATIC | _FLOOR | _WHEEL), _WHEEL: ~(_FLOOR | _TREADS)}
 
 _MIN_FLOOR_M = 1.0
 _Pair = Tuple[int, int, int, int]        # two bodies, and a link of each

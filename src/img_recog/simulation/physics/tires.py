@@ -2,14 +2,13 @@
 
 A cylinder on a plane touches it with both edges in Gazebo, or with the lower one where its axle
 leans. PyBullet finds one or the other in a step, whichever is lower by a hair. So a wheel gets a
-link with a narrow tread at each edge that touches. The treads touch only floors, see meeting.py,
-and everything else touches the whole cylinder. A wheel that is a mesh becomes a cylinder: the
-convex hull of PyBullet has corners, and is 1 mm larger. ODE pushes a wheel out of the floor from a
-depth of <min_depth> on, so the rest of its robot is lower by that depth.
+link with a narrow tread at each edge that touches. The treads touch only what never moves, and the
+whole cylinder touches everything except floors, see meeting.py. A wheel that is a mesh becomes a
+cylinder: the convex hull of PyBullet has corners, and is 1 mm larger. ODE pushes a wheel out of
+the floor from a depth of <min_depth> on, so the rest of its robot is lower by that depth.
 """
 import dataclasses
 import itertools
-import math
 from typing import Collection, Iterator, List
 
 import numpy as np
@@ -23,8 +22,8 @@ TREAD = '::tread_'      # in the name of a link with a tread, between the wheel'
 ACROSS = '_across'      # at the end of the second one, if there is a direction of friction
 _TREAD_M = 0.002
 _MIN_LEAN = 1e-4        # rad, of an axle: from there on, only the lower edge of two wheels touches
-# In ODE, joints give way a little under the load, and wheels stand on their outer edges. A hair is
-# enough for that.
+# In ODE, joints give way a little under the load, and more than two wheels stand on their outer
+# edges. A hair is enough for that.
 _HIGHER_M = 2e-6        # height of the inner edge above the floor
 _PARALLEL = 0.99
 # highest <min_depth> that counts, and the depth to which a wheel sinks without it
@@ -40,7 +39,7 @@ def added(model: Model, driven: Collection[str] = ()) -> Model:
     links = {link.name: link for link in model.links}
     joints: List[Joint] = []
     # the joints of more wheels give way so much in ODE that an axle that leans is like others
-    lean = _MIN_LEAN if _count_wheels(model) <= 2 else math.inf
+    many = _count_wheels(model) > 2
     for joint in model.joints:
         joints.append(joint)
         if joint.kind in (CONTINUOUS, REVOLUTE):
@@ -52,7 +51,7 @@ def added(model: Model, driven: Collection[str] = ()) -> Model:
                 links[joint.child] = wheel
             pose = pose_in_root(joint, model)
             treads = [tread for solid in wheel.solids
-                      for tread in _treads(solid, joint, pose, lean)]
+                      for tread in _treads(solid, joint, pose, many)]
             for (number, tread), end in itertools.product(
                     enumerate(treads), ('', ACROSS) if wheel.surface.direction else ('',)):
                 # a link each: PyBullet computes the contacts of one link in any order
@@ -108,14 +107,14 @@ def _along(axis: np.ndarray) -> np.ndarray:
     return np.column_stack((np.cross(across, axis), across, axis))
 
 
-def _treads(solid: Solid, joint: Joint, pose: Transform, lean: float) -> Iterator[Solid]:
+def _treads(solid: Solid, joint: Joint, pose: Transform, many: bool) -> Iterator[Solid]:
     """Yield the treads of a cylinder along the axis of its joint: both, or the lower one.
 
     A cylinder with a bitmask has none: the bits that keep a wheel and a floor apart are taken.
 
     Args:
         pose: Pose of the wheel in the root link.
-        lean: Angle of the axle in rad from which on only the lower edge touches.
+        many: Whether the robot has more than two wheels.
     """
     axis = np.asarray(joint.axis)
     if (solid.shape.kind != CYLINDER or solid.shape.size[1] <= _TREAD_M
@@ -125,9 +124,9 @@ def _treads(solid: Solid, joint: Joint, pose: Transform, lean: float) -> Iterato
     rise = (joint.pose.rotation @ solid.pose.rotation[:, 2])[2]
     edges = [solid.pose @ IDENTITY._replace(
         translation=np.array((0.0, 0.0, end * (length - _TREAD_M) / 2)))
-        for end in (1, -1) if end * rise < lean]
+        for end in (1, -1) if many or end * rise < _MIN_LEAN]
     away = [abs(float((pose.rotation @ axis) @ (pose @ edge).translation)) for edge in edges]
     for edge, distance in zip(edges, away):
-        is_outer = distance > max(away) - _TREAD_M
+        is_lowest = not many or distance > max(away) - _TREAD_M
         yield solid._replace(shape=solid.shape._replace(size=(
-            radius if is_outer else radius - _HIGHER_M, _TREAD_M)), pose=edge)
+            radius if is_lowest else radius - _HIGHER_M, _TREAD_M)), pose=edge)

@@ -52,3 +52,21 @@ def test_how_it_stands():
     pose = robot.robots[0].body.pose()
     assert pose.position[2] == pytest.approx(-0.001, abs=1e-4)
     assert -rotations.matrix(pose.orientation)[2, 0] == pytest.approx(0.0077, abs=0.002)
+
+
+@pytest.mark.parametrize('angle, way', [
+    (0.0, 0.0244), (22.5, 0.0277), (45.0, 0.0372), (67.5, 0.0661), (90.0, 0.1905),
+    (112.5, 0.0548), (135.0, 0.0315), (157.5, 0.0252)])
+def test_locked_wheels_slide_by_the_angle_of_their_direction_of_friction(angle, way):
+    """So the way after a command of 0 depends on the angle at which the wheels stop."""
+    direction = '{} {} 0'.format(math.cos(math.radians(angle)), math.sin(math.radians(angle)))
+    tags = ''.join(
+        '<gazebo reference="wheel_{}_link"><fdir1>{}</fdir1><kp>500000.0</kp><kd>10.0</kd>'
+        '<minDepth>0.001</minDepth><maxVel>0.1</maxVel></gazebo>'.format(side, direction)
+        for side in ('left', 'right'))
+    simulator = assembled(burger('').replace('</robot>', DRIVE + tags + '</robot>')).simulator
+    robot = simulator.vehicles[0].robot
+    begin = robot.motion().position
+    robot.set_velocity((0.22, 0.0, 0.0), (0.0, 0.0, 0.0))
+    simulator.advance(1000)
+    assert math.dist(robot.motion().position, begin) == pytest.approx(way, rel=0.05, abs=0.001)

@@ -4,6 +4,7 @@ The figures were measured in Gazebo 11.1.
 """
 import math
 
+import pybullet
 import pytest
 
 from img_recog.checks.check_jobs import simulate_parser
@@ -161,3 +162,19 @@ def test_rollers_of_a_model_touch_one_another_if_it_collides_with_itself(
         'm', collides and '<self_collide>1</self_collide>', roller('a', '0 0 0.3', (0.1, 0.4)),
         roller('b', '{} 0 0.3'.format(distance), (0.1, 0.4)))], 0.5, ['m::a_hinge=1:5'])
     assert found == pytest.approx({'m::a_hinge': 0.504, 'm::b_hinge': other}, rel=0.05, abs=0.01)
+
+
+def test_a_wheel_on_a_sill_touches_it_with_both_edges():
+    wheels = [roller(name, '0 {} 0.06'.format(y), (0.05, 0.04), 0.2, 'base')
+              for name, y in (('left', 0.2), ('right', -0.2))]
+    simulator = sdf.simulated(
+        sdf.body('sill', '0 0 0.005', sdf.box(0.9, 0.9, 0.01), static=True),
+        sdf.model('robot', sdf.link('base', '0 0 0.06', sdf.box(0.3, 0.2, 0.04), 4, 0.05),
+                  *wheels, sdf.link('caster', '0.12 0 0.03', sdf.ball(0.02), 0.1, 0.001),
+                  '<joint name="held" type="fixed"><parent>base</parent><child>caster</child>'
+                  '</joint>'))
+    simulator.advance(500)
+    body = simulator.world.bodies[1]
+    touched = {round(contact[5][1], 2) for contact in pybullet.getContactPoints(
+        bodyA=body.body_id, **body.client)}
+    assert {-0.22, -0.18, 0.18, 0.22} <= touched

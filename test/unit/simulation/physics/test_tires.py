@@ -50,12 +50,22 @@ def places(urdf, name):
     return [round(float(solid.pose.translation[2]), 6) for solid in found]
 
 
-def test_a_wheel_stays_whole_and_has_narrow_treads_of_which_the_outer_one_is_lower():
+def with_four_wheels(urdf, roll=UPRIGHT):
+    return urdf.replace('</robot>', ''.join(
+        WHEEL.format(name, INERTIAL, '', ROUND.format(0.1, 0.04), roll, '0 0 1')
+        for name in ('third', 'fourth')) + '</robot>')
+
+
+def test_a_wheel_stays_whole_and_has_narrow_treads():
     urdf = robot(shape=ROUND.format(0.1, 0.04))
     assert cylinders(urdf) == [(0.1, 0.04)]
-    # z of the wheels points to the left, where both are
-    assert [solid.shape.size for solid in treads(urdf, 'left_wheel')] == [
-        (0.1, 0.002), (pytest.approx(0.1 - 2e-6), 0.002)]
+    assert [solid.shape.size for solid in treads(urdf, 'left_wheel')] == [(0.1, 0.002)] * 2
+
+
+def test_the_outer_tread_of_more_than_two_wheels_is_lower():
+    # z of the wheels points to the left, where all are
+    assert [solid.shape.size for solid in treads(with_four_wheels(robot()), 'left_wheel')] == [
+        (0.1, 0.002), (pytest.approx(0.1 - 2e-6, abs=1e-9), 0.002)]
 
 
 def test_a_wheel_with_a_direction_of_friction_has_each_tread_twice():
@@ -67,9 +77,7 @@ def test_a_wheel_with_a_direction_of_friction_has_each_tread_twice():
 
 
 def test_treads_of_more_than_two_wheels_are_at_both_edges_however_they_lean():
-    urdf = robot(1.57, 1.57).replace('</robot>', ''.join(
-        WHEEL.format(name, INERTIAL, '', ROUND.format(0.1, 0.04), 1.57, '0 0 1')
-        for name in ('third', 'fourth')) + '</robot>')
+    urdf = with_four_wheels(robot(1.57, 1.57), 1.57)
     assert len(treads(urdf, 'third_wheel')) == len(treads(urdf, 'left_wheel')) == 2
 
 
