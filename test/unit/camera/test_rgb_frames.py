@@ -2,7 +2,7 @@
 import subprocess
 import sys
 
-# a process of its own: what is wrong hangs it
+# runs in its own process, because an error makes it hang
 FORKS_IN_ANOTHER_THREAD = '''
 import gc, os, subprocess, sys, threading
 import av, numpy
