@@ -10,6 +10,8 @@ import distributed
 
 from img_recog.errors import UserError
 
+_WAIT_S = 60
+
 
 def count_bytes(paths, factor) -> List[int]:
     """Return the sizes of files times a factor; a problem if it is 0, or a fault if None."""
@@ -68,9 +70,16 @@ def interrupted(_, number, folder) -> int:
     return square(_, number, folder)
 
 
-def process(_, number, seconds) -> int:
-    """Return the number of this process, after a while."""
-    time.sleep(seconds)
+def process(_, number, folder, count) -> int:
+    """Return the number of this process, as soon as `count` processes have begun such a piece.
+
+    folder: where each process makes a file; another for each stage.
+    """
+    with open(os.path.join(folder, str(os.getpid())), 'w'):
+        pass
+    deadline = time.monotonic() + _WAIT_S
+    while len(os.listdir(folder)) < count and time.monotonic() < deadline:
+        time.sleep(0.01)
     return os.getpid()
 
 

@@ -4,8 +4,10 @@ A frame may state by which matrix its colors were coded (ITU-R BT.601, BT.709, B
 whether its values fill the whole range of a byte. FFmpeg's filter `scale` heeds both, and takes
 what states nothing for BT.601 in the limited range. It gives the pixels of the program ffmpeg.
 """
+import os
 import threading
-from typing import Optional, Tuple
+import weakref
+from typing import List, Optional, Tuple
 
 import av
 import av.filter
@@ -17,7 +19,7 @@ _STATES_COLORS = av.library_versions['libavfilter'] >= (10,)
 _Kind = Tuple[str, int, int, Tuple[int, ...]]
 
 
-class _Graph(threading.local):
+class _Filters:
     """The filters of a thread, for frames of one kind.
 
     They stay when a film is closed, for the next one, which may be the same film in a loop:
@@ -25,21 +27,34 @@ class _Graph(threading.local):
     """
 
     kind: _Kind = ('', 0, 0, ())
-    graph: Optional[av.filter.Graph] = None
+    graph: Optional['av.filter.Graph'] = None
 
 
-_own = _Graph()
+class _Own(threading.local):
+    def __init__(self) -> None:
+        self.filters = _Filters()
+        _all[id(self.filters)] = self.filters
+
+
+_all: 'weakref.WeakValueDictionary[int, _Filters]' = weakref.WeakValueDictionary()
+_own = _Own()
+# Python frees the values of all other threads in a process that it forks. FFmpeg would wait there
+# forever for the threads of a graph, which no fork copies: the child keeps all graphs.
+_kept_in_child: List[List[Optional[_Filters]]] = []
+os.register_at_fork(before=lambda: _kept_in_child.append([ref() for ref in _all.valuerefs()]),
+                    after_in_parent=lambda: _kept_in_child.pop())
 
 
 def rgb_array(frame: 'av.VideoFrame') -> np.ndarray:
     """Return a frame as rgb8; raise FFmpegError or ValueError if it cannot be converted."""
     kind = (frame.format.name, frame.width, frame.height,
             (int(frame.colorspace), int(frame.color_range)) if _STATES_COLORS else ())
-    graph = _own.graph if _own.graph is not None and _own.kind == kind else _made(kind)
-    _own.kind, _own.graph = kind, None      # after an error, it would take no other frame
+    own = _own.filters
+    graph = own.graph if own.graph is not None and own.kind == kind else _made(kind)
+    own.kind, own.graph = kind, None        # after an error, it would take no other frame
     graph.push(frame)
     converted = graph.pull()
-    _own.graph = graph
+    own.graph = graph
     plane = converted.planes[0]
     # no copy, unless the rows are padded
     return np.ascontiguousarray(np.ndarray(

@@ -133,12 +133,14 @@ def processes(two_processes, tmp_path):
         yield engine, two_processes[1]
 
 
-def test_the_processes_stay_for_more_pieces(processes):
-    # others: these would be known from the stage before
-    first, second = ({pid for _, pid in processes[0].run(
-        batch_work.process, numbers(seconds, count=count))}
-        for seconds, count in ((0.3, 2), (0.31, 6)))
-    assert len(first) == 2 and first == second and os.getpid() not in first
+def test_the_processes_stay_for_more_pieces(processes, tmp_path):
+    found = []
+    for count in (2, 6):
+        folder = tmp_path / str(count)
+        folder.mkdir()
+        found.append({pid for _, pid in processes[0].run(
+            batch_work.process, numbers(str(folder), 2, count=count))})
+    assert len(found[0]) == 2 and found[0] == found[1] and os.getpid() not in found[0]
 
 
 def test_workers_use_freed_memory_again_and_keep_few_records(processes):
