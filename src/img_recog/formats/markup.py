@@ -67,7 +67,7 @@ def _parsed(text: Union[str, bytes]) -> ElementTree.Element:
     try:
         return ElementTree.fromstring(text)
     except ElementTree.ParseError as error:
-        raise _not_xml(error)
+        raise _NotXmlError('not XML: {}'.format(one_line(error)))
     except (LookupError, ValueError) as error:
         raise MarkupError('not XML: {}'.format(one_line(error)))
 
