@@ -45,9 +45,16 @@ def test_defaults_without_arguments():
     assert dataclasses.astuple(Sample()) == (640, 0, 30.0, True, 'slow', 'sample', '', None)
 
 
+class _Loader(yaml.SafeLoader):
+    """Reads bytes as bytes, even if rosparam, which changes SafeLoader, was imported."""
+
+
+_Loader.add_constructor('tag:yaml.org,2002:binary', yaml.SafeLoader.construct_yaml_binary)
+
+
 def test_error_names_field_value_and_allowed_values():
     expected.check_cases('refused/settings.txt',
-                         lambda text: refusal(Sample, **yaml.safe_load(text)))
+                         lambda text: refusal(Sample, **yaml.load(text, Loader=_Loader)))
     with pytest.raises(SettingError) as refused:
         Sample(width=801)
     error = refused.value
