@@ -65,7 +65,7 @@ def test_locked_wheels_slide_by_the_angle_of_their_direction_of_friction(angle, 
         '<minDepth>0.001</minDepth><maxVel>0.1</maxVel></gazebo>'.format(side, direction)
         for side in ('left', 'right'))
     simulator = assembled(burger('').replace('</robot>', DRIVE + tags + '</robot>')).simulator
-    robot = simulator.vehicles[0].robot
+    robot = simulator.robots[0].body
     begin = robot.motion().position
     robot.set_velocity((0.22, 0.0, 0.0), (0.0, 0.0, 0.0))
     simulator.advance(1000)
