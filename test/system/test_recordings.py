@@ -1,4 +1,6 @@
 """What the demo records is replayed, from its first message on."""
+import xmlrpc.client
+
 import cv2
 import numpy as np
 import pytest
@@ -29,6 +31,17 @@ def sources(tmp_path_factory):
     return {'images': str(folder / 'images'), 'video': video}
 
 
+def is_recorded(ros, topic):
+    """Return whether a publisher of a topic has a connection to the recorder."""
+    master = ros.master()
+    for node in dict(master.getSystemState('/test')[2][0]).get(topic, ()):
+        with xmlrpc.client.ServerProxy(master.lookupNode('/test', node)[2]) as server:
+            if any(info[1] == '/record' and info[4] == topic
+                   for info in server.getBusInfo('/test')[2]):
+                return True
+    return False
+
+
 @pytest.mark.parametrize('robot, arguments', [
     ('', ['camera:=synthetic']), ('', ['camera:=robot']), ('', ['camera:={video}']),
     ('', ['camera:={images}']), ('/tb3_1', ['camera:=robot', 'robots:=2']),
@@ -38,8 +51,7 @@ def test_each_recording_of_the_demo_is_replayed(ros, tmp_path, sources, robot, a
                     *(each.format(**sources) for each in arguments))
     ros.node_pid('/record')
     infos = Echo(ros, robot + '/usb_cam/camera_info/header/stamp')
-    wait_for(lambda: '/record' in dict(ros.master().getSystemState('/test')[2][1]).get(
-        robot + IMAGES, ()), 'the recorder of ' + robot + IMAGES)
+    wait_for(lambda: is_recorded(ros, robot + IMAGES), 'the recorder of ' + robot + IMAGES)
     infos.wait_more(10)
     assert demo.interrupt() == 0, demo.output
     path = str(tmp_path / 'demo.bag')
