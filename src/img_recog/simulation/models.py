@@ -129,13 +129,12 @@ class Models:
                    origin.rotation @ state.angular)
         self._world.notify_moved(model)
 
-    def add(self, name: str, trees: Sequence[Tree], state: State, frame: str = WORLD,
-            warn: Callable[[str], None] = lambda line: None) -> SimulatedModel:
+    def add(self, name: str, trees: Sequence[Tree], state: State,
+            frame: str = WORLD) -> SimulatedModel:
         """Add a model to the world, and return it.
 
         trees: of the model, as they are when its file is the world; state: that the world of the
-        file has in `frame`; warn: gets a line if the next step takes long,
-        and about what is simulated in another way than given.
+        file has in `frame`.
         Raises SimulationError when there is no such frame, a model has that name, the state is not
         allowed, PyBullet cannot load the model or the next step would take too long.
         """
@@ -145,10 +144,6 @@ class Models:
         placed = [tree._replace(pose=pose @ tree.pose) for tree in trees]
         model, = self._world.load(placed)
         model.name = name
-        if self._world.crowded:     # before that step, which holds all threads
-            warn('model {}: {}'.format(name, self._world.crowded))
-        for line in self._world.warnings:
-            warn('model ' + line)
         return cast(SimulatedModel, model)
 
     def pose_in_world(self, state: State, frame: str = WORLD) -> Transform:

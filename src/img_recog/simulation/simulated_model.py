@@ -120,12 +120,6 @@ class Robot(SimulatedModel):
         return self.sensors[0].missing
 
     @property
-    def not_done(self) -> List[str]:
-        """What the file asks for that is not done, each as a few words."""
-        return [*self.spec.not_done, *(each.name for each in self.spec.sensors
-                                       if each.values and each.name in self.missing_sensors)]
-
-    @property
     def sensor_kinds(self) -> Set[str]:
         """The kinds of sensors that the robot has, also of those that are disabled."""
         return self.sensors[0].kinds

@@ -89,10 +89,10 @@ class Gazebo:
         single = None if which.several_robots else reader.single()
         built = assemble.simulator(physics, [] if single is None else [single],
                                    with_sensors=True, with_drives=True)
-        for warning in built.warnings:
-            rospy.logwarn('%s', warning)
+        for line in built.report.lines():
+            rospy.logwarn('%s', line)
         self._simulator = built.simulator
-        self._simulator.warn = lambda line: rospy.logwarn('%s', line)
+        built.report.listen(lambda line: rospy.logwarn('%s', line))
         self._pace = Pace(physics.real_time_factor)
         if stepping.paused:
             self._pace.pause()

@@ -21,6 +21,7 @@ from img_recog.nodes.gazebo.robot_reader import RobotReader
 from img_recog.nodes.gazebo.robots import Robots
 from img_recog.ros.log.throttle import ThrottledWarning
 from img_recog.rotations import Transform
+from img_recog.report import Report
 from img_recog.simulation.models import LINK_SEPARATOR, WORLD, Models
 from img_recog.simulation.pacing import Pace
 from img_recog.simulation.simulation_settings import SpawnSettings
@@ -122,7 +123,10 @@ class ModelServices:
         if self._reader.is_robot(request.model_xml, request.robot_namespace.strip('/')):
             add = self._robot_adder(name, request, state, frame)
         else:
-            trees = model_file.read(request.model_xml, name, resources.find, rospy.logwarn)
+            report = Report()
+            trees = model_file.read(request.model_xml, name, resources.find, report)
+            for line in report.lines():
+                rospy.logwarn('%s', line)
             if drive_tags.is_driven(trees[0].model):
                 add = self._sdf_robot_adder(trees[0], request, state, frame)
             else:
@@ -147,7 +151,7 @@ class ModelServices:
             name, request.model_xml, request.robot_namespace.strip('/'), self._start(pose)))
 
     def _add(self, name: str, trees: Sequence[Tree], state: State, frame: str) -> None:
-        self._robots.add_sensors(self._models.add(name, trees, state, frame, rospy.logwarn))
+        self._robots.add_sensors(self._models.add(name, trees, state, frame))
 
     @staticmethod
     def _start(pose: Transform) -> SpawnSettings:

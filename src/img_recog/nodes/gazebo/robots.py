@@ -17,6 +17,7 @@ from img_recog.nodes.gazebo.physics_services import ServiceCalls
 from img_recog.nodes.gazebo.robot_reader import in_namespace
 from img_recog.nodes.gazebo.robot_topics import RobotTopics, SensorTopics, Transforms
 from img_recog.nodes.gazebo.static_transforms import StaticTransforms
+from img_recog.report import Report
 from img_recog.ros.diagnostics import NodeDiagnostics
 from img_recog.simulation import assembly
 from img_recog.simulation.configured_model import ConfiguredModel
@@ -55,23 +56,23 @@ class Robots:
             raise SimulationError('there is a model {} already'.format(spec.name),
                                   'give another name')
         self._check_namespace(spec)
-        warnings = assembly.add_robot_apart(self._simulator, spec)
+        report = Report()
+        assembly.add_robot_apart(self._simulator, spec, report)
         robot = self._simulator.robots[-1]
         try:
             self.connect(robot)
         except UserError:
             self._simulator.world.remove(robot)
             raise
-        for warning in (*spec.warnings, *warnings):
-            rospy.logwarn('%s: %s', spec.names.words, warning)
+        self._simulator.world.report.extend([*spec.findings, *report.findings])
         rospy.loginfo('added %s: %.4f kg with root link %s', spec.names.words,
                       robot.body.mass(), robot.body.root)
         self.log_start(robot)
 
     def add_sensors(self, model: SimulatedModel) -> None:
         """Add the sensors that the file of a model has, with their topics."""
-        for warning in assembly.add_sensors(self._simulator.world, model, SENSORS):
-            rospy.logwarn('%s', warning)
+        world = self._simulator.world
+        assembly.add_sensors(world, model, SENSORS, world.report)
         self.connect_of_file(model)
 
     def _check_namespace(self, spec: ConfiguredModel) -> None:

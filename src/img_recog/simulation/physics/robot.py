@@ -107,11 +107,9 @@ class RobotBody(FramedBody):
 def check_motors(motors: Motors, body: FramedBody) -> None:
     """Raise SimulationError if the body of a model has not all joints of the motors."""
     for setting, name in motors.joints:
-        if name in body.model.left_out:
-            raise SimulationError('{}: joint {} is left out, because what it moves has no mass'
-                                  .format(setting, name), 'add an <inertial> to that link')
         if name not in body.joints:
             raise SimulationError(
                 'the robot has no movable joint {} (movable joints: {})'.format(
                     name, ', '.join(body.joints) or 'none'),
-                'set {} to the joint of a wheel'.format(setting))
+                'set {} to the joint of a wheel; one that moves nothing with an <inertial> is '
+                'left out'.format(setting))
