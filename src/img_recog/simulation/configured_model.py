@@ -15,9 +15,7 @@ from img_recog.report import NOT_SIMULATED, NOT_USED, Finding, Report
 from img_recog.settings import SettingError, from_mapping
 from img_recog.simulation.names import Names
 from img_recog.simulation import wheels
-from img_recog.simulation.physics.differential_drive import DifferentialDrive
-from img_recog.simulation.physics.drive import Drive
-from img_recog.simulation.physics.planar_drive import PlanarDrive
+from img_recog.simulation.physics.drive import DifferentialDrive, Drive, PlanarDrive
 from img_recog.simulation.sensors import in_files
 from img_recog.simulation.sensors.sensor import ConfiguredSensor, SensorKind, numbered, sensors_of
 from img_recog.simulation.simulation_settings import (CameraSettings, DriveSettings, NoiseSettings,

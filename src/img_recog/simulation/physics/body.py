@@ -18,7 +18,7 @@ Vector = Sequence[float]
 _HOLDING_FORCE = 1e6    # N or N m, of the motors of joints that are held at a position
 # rad/s. At its default of 100, which the command of 10 m/s exceeds, PyBullet cuts the speed of the
 # wheels, while their motors go on and turn the robot over.
-_MAX_JOINT_VELOCITY = 1e5
+MAX_JOINT_VELOCITY = 1e5
 _REST = (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)
 
 
@@ -121,7 +121,7 @@ class Body:
         # of the whole body; in a call that sets something of a link, these would make PyBullet
         # set that of the root link
         pybullet.changeDynamics(self.body_id, -1, linearDamping=0, angularDamping=0,
-                                maxJointVelocity=_MAX_JOINT_VELOCITY, **self.client)
+                                maxJointVelocity=MAX_JOINT_VELOCITY, **self.client)
 
     def release(self, joints: Sequence[Joint], driven: Container[int] = ()) -> None:
         """Switch off the motors of the joints but those that are held; PyBullet holds all.
@@ -212,7 +212,8 @@ class Body:
         """
         pybullet.setJointMotorControl2(
             self.body_id, self.joints[joint], pybullet.VELOCITY_CONTROL, force=limit,
-            targetVelocity=possible_speed(velocity), **self.client)
+            targetVelocity=max(-MAX_JOINT_VELOCITY, min(velocity, MAX_JOINT_VELOCITY)),
+            **self.client)
 
     def set_joint(self, joint: str, position: float) -> None:
         """Put a joint at a position in rad or m, at rest."""
@@ -274,11 +275,6 @@ class Body:
         arm = np.subtract(self.center()[0], self.pose().position)
         at_center = np.array(linear) + np.cross(angular, arm)
         pybullet.resetBaseVelocity(self.body_id, at_center.tolist(), list(angular), **self.client)
-
-
-def possible_speed(velocity: float) -> float:
-    """Return the velocity of a joint, in rad/s or m/s, nearest to one that is asked for."""
-    return max(-_MAX_JOINT_VELOCITY, min(velocity, _MAX_JOINT_VELOCITY))
 
 
 def relative(position: Vector, orientation: Quaternion, origin: Vector,

@@ -7,7 +7,7 @@ from img_recog import rotations
 from img_recog.errors import SimulationError
 from img_recog.model import CONTINUOUS, Model
 from img_recog.simulation.physics import build, friction, tires
-from img_recog.simulation.physics.body import BodyPose, possible_speed
+from img_recog.simulation.physics.body import MAX_JOINT_VELOCITY, BodyPose
 from img_recog.simulation.physics.framed_body import FramedBody
 from img_recog.simulation.simulation_settings import SpawnSettings
 
@@ -90,7 +90,8 @@ class RobotBody(FramedBody):
         """Set the target velocities of the motors of the wheels, in rad/s."""
         pybullet.setJointMotorControlArray(
             self.body_id, self._wheels, pybullet.VELOCITY_CONTROL,
-            targetVelocities=list(map(possible_speed, velocities)),
+            targetVelocities=[max(-MAX_JOINT_VELOCITY, min(velocity, MAX_JOINT_VELOCITY))
+                              for velocity in velocities],
             forces=self._torques, **self.client)
 
     def joint_states(self) -> JointStates:

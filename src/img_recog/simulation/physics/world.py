@@ -332,10 +332,10 @@ class World:
         self.solids.others = {body.body_id for body in self.scenery if body.is_terrain}
         self.solids.forget()
 
-    def notify_moved(self, model: ModelBodies) -> None:
-        """Call after a model was moved; from then on, a fixed one can move, too."""
-        model.notify_moved()
-        for body in model.bodies:
+    def notify_moved(self, model: ModelBodies, bodies: Sequence[FramedBody]) -> None:
+        """Call after bodies of a model were moved; from then on, a fixed one can move, too."""
+        model.notify_moved(bodies)
+        for body in bodies:
             if self.sleeping.wake_near(body):
                 self._meeting.set_masks(body)
             if body.fixed and not body.was_moved:

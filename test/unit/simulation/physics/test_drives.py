@@ -9,7 +9,7 @@ from img_recog.conversions.sensor_table import SENSORS
 from img_recog.formats import world_file
 from img_recog.settings import from_mapping
 from img_recog.simulation import assembly
-from img_recog.simulation.physics.differential_drive import DifferentialDrive
+from img_recog.simulation.physics.drive import DifferentialDrive
 from img_recog.simulation.configured_model import from_urdf
 from img_recog.simulation.simulation_settings import DriveSettings, PhysicsSettings
 from img_recog_helpers.refusals import refusal
