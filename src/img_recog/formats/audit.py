@@ -1,11 +1,13 @@
 """What a file asks for that is not done here, and what of it is not known."""
 import functools
 import math
+import re
 import xml.etree.ElementTree as ElementTree
 from typing import Dict, Iterator, List, Mapping, Optional, Tuple
 
+from img_recog.errors import most_similar
 from img_recog.formats.elements import (ATTRIBUTES, KNOWN_PLUGINS, MODEL_PLUGINS, NO_EFFECT,
-                                        PLUGIN_NAMES, SDF, SIMULATED, URDF, Fates)
+                                        PLUGIN_NAMES, SDF, SIMULATED, URDF, WITHOUT_ROS, Fates)
 from img_recog.report import NOT_KNOWN, NOT_SIMULATED, NOT_UNIQUE, NOT_USED, Finding
 
 _FORMATS: Mapping[str, Mapping[str, Fates]] = {'sdf': SDF, 'robot': URDF}
@@ -18,6 +20,10 @@ _MANY = frozenset('world model link joint collision visual sensor light plugin i
 _TOLD = ('plugin', 'sensor', 'light', 'actor')    # which one it is
 _WORDS = {'true': True, '1': True, 'false': False, '0': False}
 _FRICTIONS = ('mu', 'mu1', 'mu2')
+_PLUGINS = (*KNOWN_PLUGINS, *MODEL_PLUGINS)
+_SHORT_NAMES = [word.split('_', 2)[2] for word in _PLUGINS if word.startswith('gazebo_ros_')]
+_PLUGIN_FILE = re.compile(r'(?:lib)?(gazebo_?(?:ros_?)?)?(.*?)(?:\.so)?', re.DOTALL)
+_SIMILAR_NAME = 0.8         # many packages have plugins of their own, whose names are not these
 _BOOLEAN = '?'             # after a name in the table
 _FILE = 'the file'          # the place of what is in no element with a name
 
@@ -55,6 +61,11 @@ def _found(element: ElementTree.Element, path: Tuple[str, ...], place: str) -> I
                 word in child.get('filename', '') for word in MODEL_PLUGINS):
             yield from _parameters(child, _below(place, child))
             continue
+        meant = _meant(child.get('filename', '')) if tag == 'plugin' else ''
+        if meant:
+            yield NOT_KNOWN, '{} (did you mean libgazebo_ros_{}.so?)'.format(
+                _label(child), meant), place
+            continue
         if state == NOT_KNOWN or state == NOT_SIMULATED and (
                 default is None or not _changes_nothing(element, child, default)):
             yield state, _label(child) if tag in _TOLD else '<{}>'.format(tag), place
@@ -77,6 +88,18 @@ def _parameters(plugin: ElementTree.Element, place: str) -> Iterator[_Found]:
         for child in plugin:
             if isinstance(child.tag, str) and child.tag not in PLUGIN_NAMES:
                 yield NOT_KNOWN, '<{}>'.format(child.tag), place
+
+
+def _meant(file: str) -> str:
+    """Return the name of the plugin of gazebo_ros that a file name means, '' if it means another.
+
+    >>> _meant('libgazebo_ros_difdrive.so'), _meant('libRayPlugin.so')
+    ('diff_drive', 'laser')
+    """
+    prefix, name = _PLUGIN_FILE.fullmatch(file).groups()       # type: ignore[union-attr]
+    if not prefix or any(word in file for word in _PLUGINS):
+        return WITHOUT_ROS.get(name, '')
+    return most_similar(name, _SHORT_NAMES, _SIMILAR_NAME)
 
 
 @functools.lru_cache(maxsize=None)
