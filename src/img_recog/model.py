@@ -124,7 +124,7 @@ NO_INERTIA = Inertia(0.0, IDENTITY, np.zeros((3, 3)))
 
 class Friction(NamedTuple):
     """Coefficients of a surface: mu along `direction` (3,), of any length, in the frame of the
-    link, and mu2 across it, None for mu; without a direction, see physics/friction.py."""
+    link, and mu2 across it, None for mu; without a direction, see physics/surfaces.py."""
 
     mu: float = FLOOR_FRICTION
     mu2: Optional[float] = None
@@ -146,7 +146,7 @@ class Friction(NamedTuple):
 
 
 class Contact(NamedTuple):
-    """How what touches a surface is pushed out: as ODE has it, see physics/stiffness.py.
+    """How what touches a surface is pushed out: as ODE has it, see physics/springs.py.
 
     stiffness: N/m; damping: N s/m; fastest: m/s; bounce: the share of its velocity with which it
     comes back; slack: m, from which depth on it is pushed out.

@@ -3,19 +3,17 @@
 PyBullet itself uses the center of mass, in a frame aligned with the principal axes of inertia.
 """
 import math
-from typing import Container, Dict, NamedTuple, Sequence, Tuple
+from typing import Dict, NamedTuple, Sequence, Set, Tuple
 
 import numpy as np
 import pybullet
 
 from img_recog import rotations
-from img_recog.model import Joint
 from img_recog.rotations import Quaternion, Transform
 from img_recog.simulation.physics.client import center, client_argument, link_indices
 
 Vector = Sequence[float]
 
-_HOLDING_FORCE = 1e6    # N or N m, of the motors of joints that are held at a position
 # rad/s. At its default of 100, which the command of 10 m/s exceeds, PyBullet cuts the speed of the
 # wheels, while their motors go on and turn the robot over.
 MAX_JOINT_VELOCITY = 1e5
@@ -123,30 +121,15 @@ class Body:
         pybullet.changeDynamics(self.body_id, -1, linearDamping=0, angularDamping=0,
                                 maxJointVelocity=MAX_JOINT_VELOCITY, **self.client)
 
-    def release(self, joints: Sequence[Joint], driven: Container[int] = ()) -> None:
-        """Switch off the motors of the joints but those that are held; PyBullet holds all.
-
-        What is left to a joint is its friction, as in Gazebo. joints: of the model; driven: the
-        indices of those that are left as they are.
-        """
-        held = {joint.name: joint for joint in joints if joint.held}
-        released = [index for name, index in self.joints.items()
-                    if name not in held and index not in driven]
-        frictions = [pybullet.getJointInfo(self.body_id, index, **self.client)[7]
-                     for index in released]
-        pybullet.setJointMotorControlArray(
-            self.body_id, released, pybullet.VELOCITY_CONTROL, forces=frictions, **self.client)
-        for name, joint in held.items():
-            index = self.joints.get(name)
-            if index is None or index in driven:
-                continue
-            if math.isinf(joint.held):
-                pybullet.setJointMotorControl2(
-                    self.body_id, index, pybullet.POSITION_CONTROL, force=_HOLDING_FORCE,
-                    targetPosition=joint.nearest_to_0, **self.client)
-            else:
-                pybullet.setJointMotorControl2(self.body_id, index, pybullet.VELOCITY_CONTROL,
-                                               force=joint.held, **self.client)
+    @property
+    def static_links(self) -> Set[int]:
+        """Indices of the links that never move: a fixed base, and what fixed joints hold at it."""
+        found = {-1} if self.fixed else set()
+        for index in self.links[1:]:
+            info = pybullet.getJointInfo(self.body_id, index, **self.client)
+            if info[2] == pybullet.JOINT_FIXED and info[16] in found:
+                found.add(index)
+        return found
 
     def mass(self) -> float:
         """Return the mass of all links as PyBullet simulates them, in kg."""

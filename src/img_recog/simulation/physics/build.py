@@ -23,7 +23,7 @@ from img_recog.model import (BOX, CAPSULE, CYLINDER, MESH, PLANE, SPHERE, Inerti
 from img_recog.report import LEFT_OUT, Report
 from img_recog.rotations import IDENTITY, Transform
 from img_recog.simulation.physics import mesh_cache
-from img_recog.simulation.physics.meeting import has_spaces
+from img_recog.simulation.physics.collision_filters import has_spaces
 
 _MAX_JOINTS = 127       # of a body, in PyBullet: MAX_DEGREE_OF_FREEDOM is 128
 _MARGIN_M = 0.001       # of the convex hulls of meshes in PyBullet

@@ -6,9 +6,10 @@ import pybullet
 from img_recog import rotations
 from img_recog.errors import SimulationError
 from img_recog.model import CONTINUOUS, Model
-from img_recog.simulation.physics import build, friction, tires
+from img_recog.simulation.physics import build, tires
 from img_recog.simulation.physics.body import MAX_JOINT_VELOCITY, BodyPose
 from img_recog.simulation.physics.framed_body import FramedBody
+from img_recog.simulation.physics.surfaces import Surfaces
 from img_recog.simulation.simulation_settings import SpawnSettings
 
 
@@ -61,7 +62,8 @@ class RobotBody(FramedBody):
         self.driven = (*self._wheels, *(
             self.joints[joint.name] for joint in model.joints
             if motors.slides and joint.kind == CONTINUOUS and joint.name in self.joints))
-        friction.set_dynamics(self)
+        Surfaces.set_friction(self)
+        self.release_joints()
         self.reset()
 
     def reset(self) -> None:

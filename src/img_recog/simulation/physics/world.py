@@ -7,18 +7,16 @@ from img_recog.errors import SimulationError, shortened
 from img_recog.formats.world_file import WorldFile
 from img_recog.model import PLANE, AttachedFrame, Friction, Link, Model, Shape, Solid, Tree
 from img_recog.report import LEFT_OUT, LIFTED, NOTE, Report
-from img_recog.simulation.physics import (build, crowding, friction, gears, standing, stiffness,
-                                          tires)
+from img_recog.simulation.physics import build, crowding, gears, standing, tires
 from img_recog.simulation.physics.body import Body
 from img_recog.simulation.physics.client import all_or_nothing, client_argument
-from img_recog.simulation.physics.directions import Directions
 from img_recog.simulation.physics.forces import Forces
 from img_recog.simulation.physics.framed_body import FramedBody
-from img_recog.simulation.physics.meeting import Meeting
 from img_recog.simulation.physics.model_bodies import ModelBodies
 from img_recog.simulation.physics.pushes import Pushes
 from img_recog.simulation.physics.sleeping import Sleeping
 from img_recog.simulation.physics.solids import Solids
+from img_recog.simulation.physics.surfaces import Surfaces
 from img_recog.simulation.simulation_settings import PhysicsSettings
 
 _UPDATE_STEPS = 10      # between two updates of friction and contacts
@@ -31,10 +29,8 @@ FLOOR = Tree('ground_plane', Model('ground_plane', (
 class _Adopted(NamedTuple):
     """What makes a body act like in Gazebo; gears: PyBullet's numbers of their constraints."""
 
-    landing: stiffness.Landing
     gears: List[int]
     forces: Forces
-    directions: Directions
 
 
 class World:
@@ -71,7 +67,8 @@ class World:
         """
         self.physics_client_id, self.step_s = physics_client_id, settings.step_s
         self.client = client_argument(physics_client_id)
-        self.solids, self._meeting = Solids(physics_client_id), Meeting(physics_client_id)
+        self.solids = Solids(physics_client_id)
+        self._surfaces = Surfaces(physics_client_id, settings.step_s)
         self._adopted: Dict[int, _Adopted] = {}
         self.pushes, self.sleeping = Pushes(), Sleeping(physics_client_id, settings.step_s)
         self.file, self.revision = file._replace(trees=()), 0
@@ -84,15 +81,14 @@ class World:
         pybullet.setPhysicsEngineParameter(
             fixedTimeStep=settings.step_s, deterministicOverlappingPairs=1,
             minimumSolverIslandSize=1, **self.client)
-        self._pairs = friction.Pairs(physics_client_id, self._meeting.forget_contacts_of)
-        self._pairs_revision, self._steps = -1, 0
+        self._surfaces_revision, self._steps = -1, 0
         self._is_at_start = True
         self.floor: Optional[FramedBody] = None
         if file.has_floor:
             (_, self.floor), = load_bodies([FLOOR], physics_client_id)
             self.models.append(ModelBodies(FLOOR.name, [FLOOR], [self.floor]))
-            friction.set_dynamics(self.floor)
-            self._meeting.add([self.floor])
+            Surfaces.set_friction(self.floor)
+            self._surfaces.add([self.floor])
             self.sleeping.add(self.floor)
         try:
             self.load(file.trees, report)
@@ -154,7 +150,8 @@ class World:
                 for joint in body.joints:
                     body.set_joint(joint, tree.positions.get(joint, 0.0))
                 body.keep_as_start()
-            friction.set_dynamics(body)
+            Surfaces.set_friction(body)
+            body.release_joints()
             if body.fixed and body.joints:
                 for plane in planes:
                     self._free_of(plane, body)
@@ -214,23 +211,20 @@ class World:
     def _free_of(self, plane: Body, body: Body) -> None:
         """Let what a joint holds deep in a plane not meet it: nothing could push it out."""
         for link in standing.links_in(body, plane):
-            self._meeting.part(body, link, plane, -1)
+            self._surfaces.disable_collision(body.body_id, plane.body_id, link, -1)
             self.report.about('model ' + body.name).add(
                 NOTE, 'held in the floor by its joints; it does not meet the floor')
 
     def _connect(self, bodies: Sequence[FramedBody], report: Report) -> None:
         """Let the bodies of a model act like in Gazebo."""
-        self._meeting.add(bodies)
+        self._surfaces.add(bodies)
         for body in bodies:
-            # before anything looks for contacts
-            self._adopted[body.body_id] = _Adopted(
-                stiffness.Landing(body, self._meeting.forget_contacts_of), gears.add(body),
-                Forces(body, self.step_s, self.file.gravity, report.about('model ' + body.name)),
-                Directions(body))
+            self._adopted[body.body_id] = _Adopted(gears.add(body), Forces(
+                body, self.step_s, self.file.gravity, report.about('model ' + body.name)))
 
     def _remove_body(self, body: Body) -> None:
         self.sleeping.forget(body)
-        self._meeting.forget(body)
+        self._surfaces.forget(body)
         if body.body_id in self._adopted:       # unless it is frozen, see load_again
             for constraint in self._adopted.pop(body.body_id).gears:
                 pybullet.removeConstraint(constraint, **self.client)
@@ -265,33 +259,32 @@ class World:
                        body.fixed or freeze, report=Report(), exact_hulls=body.exact_hulls)
             body.set_defaults()
         if freeze:
-            self._meeting.add(model.bodies)
+            self._surfaces.add(model.bodies, freeze)
         else:
             self._connect(model.bodies, Report())
         for body in model.bodies:
-            friction.set_dynamics(body)
+            Surfaces.set_friction(body)
+            body.release_joints()
             body.stop_wheels()
         model.notify_loaded_again()
-        self._pairs.reset()
+        self._surfaces.reset()
         self.notify_changed()
 
     def step(self, count: int = 1) -> None:
         """Advance the physics by a number of steps."""
-        if self._pairs_revision != self.revision:
-            self._pairs_revision, self._steps = self.revision, 0
-            self._pairs.refresh()
+        if self._surfaces_revision != self.revision:
+            self._surfaces_revision, self._steps = self.revision, 0
+            self._surfaces.refresh()
         if self._is_at_start:
             self._is_at_start = False
-            self._meeting.forget_contacts()
+            self._surfaces.forget_contacts()
         # local names: this is the innermost loop
         step, client = pybullet.stepSimulation, self.client
+        surfaces, updates = self._surfaces, self._surfaces.needs_updates
         adopted = self._adopted.values()
         acting = [each.forces.apply for each in adopted if each.forces]
         if self.pushes:
             acting.append(self.pushes.apply)
-        updates = [self._pairs.update] if self._pairs.needs_updates else []
-        updates += [each.directions.update for each in adopted if each.directions]
-        updates += [each.landing.update for each in adopted if each.landing]
         while count > 0:
             steps = count
             if self.sleeping:
@@ -301,9 +294,8 @@ class World:
                 for act in acting:
                     act()
                 # also in each of the first steps, in which things come to rest on others
-                if number < _UPDATE_STEPS or number % _UPDATE_STEPS == 0:
-                    for update in updates:
-                        update()
+                if updates and (number < _UPDATE_STEPS or number % _UPDATE_STEPS == 0):
+                    surfaces.update()
                 step(**client)
             self._steps += steps
             count -= steps
@@ -319,16 +311,12 @@ class World:
         # robots last: they are lifted onto what they start in
         for model in sorted(self.models, key=lambda model: model.is_robot):
             model.reset()
-        self._pairs.reset()
-        for adopted in self._adopted.values():
-            adopted.landing.reset()
+        self._surfaces.reset()
         self._is_at_start, self._steps = True, 0
 
     def notify_changed(self) -> None:
         """Call after a model was added or removed, or loaded again."""
         self.revision += 1
-        stiffness.set_up(self.physics_client_id, self.step_s, any(
-            adopted.landing for adopted in self._adopted.values()))
         self.solids.others = {body.body_id for body in self.scenery if body.is_terrain}
         self.solids.forget()
 
@@ -337,7 +325,7 @@ class World:
         model.notify_moved(bodies)
         for body in bodies:
             if self.sleeping.wake_near(body):
-                self._meeting.set_masks(body)
+                self._surfaces.set_filters(body)
             if body.fixed and not body.was_moved:
                 body.was_moved = True
                 self.revision += 1
