@@ -3,9 +3,7 @@ from typing import Any, Collection, Dict, List, Optional, Sequence, Set, Union
 
 import rospy
 from diagnostic_updater import DiagnosticStatusWrapper
-from geometry_msgs.msg import (PoseStamped, Transform, TransformStamped, Twist, TwistStamped,
-                               Vector3)
-from std_msgs.msg import Header
+from geometry_msgs.msg import PoseStamped, TransformStamped, Twist, TwistStamped
 
 from img_recog.conversions import plane_msgs, robot_msgs, twist_msgs
 from img_recog.conversions.plane_msgs import PlanePose, PoseError
@@ -17,7 +15,7 @@ from img_recog.nodes.gazebo.lockstep import Lockstep
 from img_recog.nodes.gazebo.physics_services import ServiceCalls
 from img_recog.nodes.gazebo.robot_reader import in_namespace
 from img_recog.nodes.gazebo.simulation_diagnostics import CommandCounts
-from img_recog.nodes.gazebo.transforms import StaticTransforms, Transforms
+from img_recog.nodes.gazebo.transforms import StaticTransforms, Transforms, plane_transform
 from img_recog.report import Report
 from img_recog.ros.diagnostics import NodeDiagnostics
 from img_recog.ros.log.throttle import Throttle, ThrottledWarning
@@ -310,7 +308,7 @@ class WorldTopics:
             model, self._transforms, self._calls, self._lockstep)
         odometry = model.odometry
         if self._world_tf and spec.names.namespace and odometry.publish_odom_tf:
-            self._statics.set('world of ' + name, [_transform(
+            self._statics.set('world of ' + name, [plane_transform(
                 PlanePose(*model.odometry_origin), WORLD_FRAME,
                 spec.names.frame(odometry.odom_frame))])
         self._add_diagnostics(name)
@@ -401,9 +399,3 @@ class WorldTopics:
         for robot in list(self._robots.values()):
             if not robot.spec.names.namespace:
                 robot.report(status)
-
-
-def _transform(pose: PlanePose, parent: str, child: str) -> TransformStamped:
-    given = plane_msgs.pose_to_msg(pose, Header(frame_id=parent))
-    return TransformStamped(given.header, child, Transform(
-        Vector3(*pose[:2], 0.0), given.pose.orientation))

@@ -3,9 +3,12 @@ import itertools
 from typing import Dict, List, Optional, Sequence
 
 import tf2_ros
-from geometry_msgs.msg import TransformStamped
+from geometry_msgs.msg import Transform, TransformStamped, Vector3
+from std_msgs.msg import Header
 from tf2_msgs.msg import TFMessage
 
+from img_recog.conversions import plane_msgs
+from img_recog.conversions.plane_msgs import PlanePose
 from img_recog.ros.transport.direct_publisher import DirectPublisher
 
 
@@ -59,3 +62,10 @@ class Transforms:
         if self._waiting:
             self._publisher.add(TFMessage(self._waiting))
             self._waiting = []
+
+
+def plane_transform(pose: PlanePose, parent: str, child: str) -> TransformStamped:
+    """Return the transform of a pose on the floor, without a time."""
+    given = plane_msgs.pose_to_msg(pose, Header(frame_id=parent))
+    return TransformStamped(given.header, child, Transform(
+        Vector3(*pose[:2], 0.0), given.pose.orientation))
