@@ -5,7 +5,7 @@ from typing import Dict, List, NamedTuple, Optional, Set
 import numpy as np
 
 from img_recog import rotations
-from img_recog.checks.report import SIMULATED, CheckRow
+from img_recog.checks.check_report import SIMULATED, CheckRow
 from img_recog.errors import UserError, one_line
 from img_recog.formats import textures
 from img_recog.formats.meshes import mesh_file

@@ -5,7 +5,7 @@ import numpy as np
 
 from img_recog.checks import looks
 from img_recog.checks.looks import Looks
-from img_recog.checks.report import SIMULATED, CheckReport, CheckRow, rows_of, size
+from img_recog.checks.check_report import SIMULATED, CheckReport, CheckRow, rows_of, size
 from img_recog.formats.world_file import WorldFile
 from img_recog.loading import assemble
 from img_recog.report import LEFT_OUT
