@@ -8,7 +8,7 @@ import numpy as np
 from img_recog.checks import looks
 from img_recog.checks.looks import Looks
 from img_recog.checks.check_report import (MEASURED, SIMULATED, CheckReport, CheckRow, rows_of,
-                                     size)
+                                           size)
 from img_recog.conversions.topic_checks import check_topics
 from img_recog.errors import UserError, one_line
 from img_recog.formats import drive_controllers
