@@ -132,7 +132,7 @@ class World:
                  for tree, body in zip(model.trees, model.bodies)]
         if added:
             try:
-                crowding.check([*self.scenery, *(body for _, body in added)], self.report)
+                crowding.check([*self.scenery, *(body for _, body in added)], self._about(models))
             except SimulationError:
                 self._remove(models)
                 raise
@@ -141,6 +141,12 @@ class World:
             model.name = self._free_name(model.name)
             self.models.append(model)
         self.notify_changed()
+
+    def _about(self, models: Sequence[ModelBodies]) -> Report:
+        """Return the report for what is said of models together: one alone is named."""
+        if len(models) != 1:
+            return self.report
+        return self.report.about('model ' + models[0].name)
 
     def _settle(self, added: Sequence[Tuple[Tree, FramedBody]]) -> None:
         """Put joints at their first positions, and what is in the floor onto it."""

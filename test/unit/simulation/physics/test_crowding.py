@@ -79,7 +79,7 @@ def test_models_that_would_stop_time_are_not_added():
         assert lines == []
         models.add(name, trees(20, colliding), HERE)
     line, = lines
-    assert line.startswith('w: the next step of the physics takes about 2 s: bodies touch')
+    assert line.startswith('model m: the next step of the physics takes about 2 s: bodies touch')
 
     def there():
         return models.names, pybullet.getNumBodies(physicsClientId=client), sim.world.revision
