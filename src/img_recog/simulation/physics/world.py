@@ -6,7 +6,7 @@ import pybullet
 from img_recog.errors import SimulationError, shortened
 from img_recog.formats.world_file import WorldFile
 from img_recog.model import PLANE, AttachedFrame, Friction, Link, Model, Shape, Solid, Tree
-from img_recog.report import LEFT_OUT, LIFTED, NOTE, Report
+from img_recog.report import LEFT_OUT, LIFTED, NOTE, Finding, Report
 from img_recog.simulation.physics import build, crowding, gears, standing, tires
 from img_recog.simulation.physics.body import Body
 from img_recog.simulation.physics.client import all_or_nothing, client_argument
@@ -150,7 +150,7 @@ class World:
 
     def _settle(self, added: Sequence[Tuple[Tree, FramedBody]]) -> None:
         """Put joints at their first positions, and what is in the floor onto it."""
-        planes = self._planes(body for _, body in added)
+        planes, findings = self._planes(body for _, body in added), []
         for tree, body in added:
             if any(tree.positions.values()):
                 for joint in body.joints:
@@ -165,9 +165,11 @@ class World:
                 lifted = standing.lift(body, planes)
                 if lifted.onto:
                     body.keep_as_start()
-                    self.report.add(LIFTED, '{} by {:.3f} m'.format(body.name, lifted.height_m))
+                    findings.append(Finding(LIFTED, '{} by {:.3f} m'.format(
+                        body.name, lifted.height_m)))
             self.sleeping.add(body, bool(self._adopted[body.body_id].forces))
             self.sleeping.wake_near(body)
+        self.report.extend(findings)        # together, so that they are one line
 
     def _free_name(self, name: str) -> str:
         """Return a name that no model has, as Gazebo makes it of one that is taken."""
