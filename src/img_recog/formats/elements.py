@@ -10,7 +10,7 @@ doc/elements.md is made of this table.
 """
 from typing import Dict, NamedTuple
 
-SIMULATED, NO_EFFECT, NOT_SIMULATED = 'simulated', 'of no effect here', 'not simulated'
+SIMULATED, NO_EFFECT = 'simulated', 'of no effect here'
 
 
 class Fates(NamedTuple):

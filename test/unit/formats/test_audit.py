@@ -6,6 +6,7 @@ import pytest
 from img_recog.checks import world_check
 from img_recog.formats import audit as audits, elements
 from img_recog.formats.audit import audit
+from img_recog.report import Report
 from img_recog_helpers.pages import tool
 
 MODEL = '<sdf version="1.6"><world name="w"><model name="m">{}</model></world></sdf>'
@@ -14,7 +15,9 @@ ROBOT = '<robot name="r"><link name="l">{}</link>{}</robot>'
 
 
 def said(text):
-    return [(each.state, each.text()) for each in audit(ElementTree.fromstring(text))]
+    report = Report()
+    report.extend(audit(ElementTree.fromstring(text)))
+    return [(each.kind, each.text()) for each in report.findings]
 
 
 @pytest.mark.parametrize('text, state, words', [

@@ -7,7 +7,7 @@ import pytest
 from img_recog.conversions.sensor_table import SENSORS
 from img_recog.formats import world_file
 from img_recog.simulation import assembly
-from img_recog.simulation.physics import friction
+from img_recog.simulation.physics import surfaces
 from img_recog.simulation.simulation_settings import PhysicsSettings
 from img_recog_helpers import sdf
 from img_recog_helpers.robots import assemble
@@ -27,7 +27,7 @@ class Run:
     def __init__(self, world=CRATES):
         self.simulator = assemble(world).simulator
         self.lines = []
-        self.simulator.warn = self.lines.append
+        self.simulator.world.report.listen(self.lines.append)
         self.bodies = {body.name: body for body in self.simulator.world.scenery}
         self.robot = self.simulator.robots[0].body
 
@@ -62,8 +62,8 @@ def assert_moves(run, name):
 
 
 def test_what_brings_nan_is_frozen_and_the_rest_goes_on(monkeypatch):
-    given = friction._scales
-    monkeypatch.setattr(friction, '_scales', lambda body, *more: (
+    given = surfaces._scales
+    monkeypatch.setattr(surfaces, '_scales', lambda body, *more: (
         list(NAN) if body.model.name == 'bad' else given(body, *more)))
     run = Run()
     assert run.drive(1.0) == pytest.approx(0.18, abs=0.02)

@@ -3,22 +3,20 @@
 PyBullet itself uses the center of mass, in a frame aligned with the principal axes of inertia.
 """
 import math
-from typing import Container, Dict, NamedTuple, Sequence, Tuple
+from typing import Dict, NamedTuple, Sequence, Set, Tuple
 
 import numpy as np
 import pybullet
 
 from img_recog import rotations
-from img_recog.model import Joint
 from img_recog.rotations import Quaternion, Transform
 from img_recog.simulation.physics.client import center, client_argument, link_indices
 
 Vector = Sequence[float]
 
-_HOLDING_FORCE = 1e6    # N or N m, of the motors of joints that are held at a position
 # rad/s. At its default of 100, which the command of 10 m/s exceeds, PyBullet cuts the speed of the
 # wheels, while their motors go on and turn the robot over.
-_MAX_JOINT_VELOCITY = 1e5
+MAX_JOINT_VELOCITY = 1e5
 _REST = (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)
 
 
@@ -121,32 +119,17 @@ class Body:
         # of the whole body; in a call that sets something of a link, these would make PyBullet
         # set that of the root link
         pybullet.changeDynamics(self.body_id, -1, linearDamping=0, angularDamping=0,
-                                maxJointVelocity=_MAX_JOINT_VELOCITY, **self.client)
+                                maxJointVelocity=MAX_JOINT_VELOCITY, **self.client)
 
-    def release(self, joints: Sequence[Joint], driven: Container[int] = ()) -> None:
-        """Switch off the motors of the joints but those that are held; PyBullet holds all.
-
-        What is left to a joint is its friction, as in Gazebo. joints: of the model; driven: the
-        indices of those that are left as they are.
-        """
-        held = {joint.name: joint for joint in joints if joint.held}
-        released = [index for name, index in self.joints.items()
-                    if name not in held and index not in driven]
-        frictions = [pybullet.getJointInfo(self.body_id, index, **self.client)[7]
-                     for index in released]
-        pybullet.setJointMotorControlArray(
-            self.body_id, released, pybullet.VELOCITY_CONTROL, forces=frictions, **self.client)
-        for name, joint in held.items():
-            index = self.joints.get(name)
-            if index is None or index in driven:
-                continue
-            if math.isinf(joint.held):
-                pybullet.setJointMotorControl2(
-                    self.body_id, index, pybullet.POSITION_CONTROL, force=_HOLDING_FORCE,
-                    targetPosition=joint.nearest_to_0, **self.client)
-            else:
-                pybullet.setJointMotorControl2(self.body_id, index, pybullet.VELOCITY_CONTROL,
-                                               force=joint.held, **self.client)
+    @property
+    def static_links(self) -> Set[int]:
+        """Indices of the links that never move: a fixed base, and what fixed joints hold at it."""
+        found = {-1} if self.fixed else set()
+        for index in self.links[1:]:
+            info = pybullet.getJointInfo(self.body_id, index, **self.client)
+            if info[2] == pybullet.JOINT_FIXED and info[16] in found:
+                found.add(index)
+        return found
 
     def mass(self) -> float:
         """Return the mass of all links as PyBullet simulates them, in kg."""
@@ -212,7 +195,8 @@ class Body:
         """
         pybullet.setJointMotorControl2(
             self.body_id, self.joints[joint], pybullet.VELOCITY_CONTROL, force=limit,
-            targetVelocity=possible_speed(velocity), **self.client)
+            targetVelocity=max(-MAX_JOINT_VELOCITY, min(velocity, MAX_JOINT_VELOCITY)),
+            **self.client)
 
     def set_joint(self, joint: str, position: float) -> None:
         """Put a joint at a position in rad or m, at rest."""
@@ -274,11 +258,6 @@ class Body:
         arm = np.subtract(self.center()[0], self.pose().position)
         at_center = np.array(linear) + np.cross(angular, arm)
         pybullet.resetBaseVelocity(self.body_id, at_center.tolist(), list(angular), **self.client)
-
-
-def possible_speed(velocity: float) -> float:
-    """Return the velocity of a joint, in rad/s or m/s, nearest to one that is asked for."""
-    return max(-_MAX_JOINT_VELOCITY, min(velocity, _MAX_JOINT_VELOCITY))
 
 
 def relative(position: Vector, orientation: Quaternion, origin: Vector,

@@ -1,6 +1,6 @@
 """PyBullet's physics clients, and what is in them."""
 import contextlib
-from typing import Dict, Iterator, Sequence, Set, Tuple
+from typing import Dict, Iterator, Sequence, Tuple
 
 import pybullet
 
@@ -66,14 +66,3 @@ def center(body_id: int, link: int, physics_client_id: int) -> Pose:
     if link == -1:
         return pybullet.getBasePositionAndOrientation(body_id, **client)
     return pybullet.getLinkState(body_id, link, computeForwardKinematics=1, **client)[:2]
-
-
-def links_of_base(body_id: int, physics_client_id: int) -> Set[int]:
-    """Return PyBullet's indices of the links that fixed joints hold at the base of a body, and -1.
-    """
-    client, found = client_argument(physics_client_id), {-1}
-    for index in range(pybullet.getNumJoints(body_id, **client)):
-        info = pybullet.getJointInfo(body_id, index, **client)
-        if info[2] == pybullet.JOINT_FIXED and info[16] in found:
-            found.add(index)
-    return found

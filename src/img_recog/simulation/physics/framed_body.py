@@ -1,16 +1,20 @@
 """A body whose links are known by the names that its file gives them."""
 import math
-from typing import Dict, Optional, Sequence, Tuple
+from typing import Callable, Dict, Optional, Sequence, Set, Tuple, TypeVar
 
 import pybullet
 
 from img_recog.errors import SimulationError
 from img_recog.formats.sdf_frames import WORLD
 from img_recog.formats.sdf_models import BETWEEN_AXES
-from img_recog.model import CONTINUOUS, AttachedFrame, Limits, Model
+from img_recog.model import CONTINUOUS, AttachedFrame, Limits, Model, Solid
 from img_recog.rotations import Quaternion, Transform
 from img_recog.simulation.physics.body import Body, FrameState, Motion, Vector, motion_of_frame
-from img_recog.simulation.physics.tires import owner, wheel_of
+from img_recog.simulation.physics.tires import TREAD, owner, wheel_of
+
+_HOLDING_FORCE = 1e6    # N or N m, of the motors of joints that are held at a position
+
+T = TypeVar('T')
 
 
 class FramedBody(Body):
@@ -91,6 +95,39 @@ class FramedBody(Body):
         names = self._surfaces.get(link, ())
         return {index: owner(part) for part, index in self.link_indices.items()
                 if wheel_of(part) in names}
+
+    @property
+    def with_treads(self) -> Set[str]:
+        """Names of the wheels that have links with treads."""
+        return {wheel_of(name) for name in self.link_indices if TREAD in name}
+
+    def of_solids(self, read: Callable[[Solid], T]) -> Dict[int, T]:
+        """Return a value of the first solid of each link with solids, by PyBullet's indices.
+
+        Treads have the value of their wheel.
+        """
+        values = {link.name: read(link.solids[0]) for link in self.model.links if link.solids}
+        return {index: values[wheel_of(name)] for name, index in self.link_indices.items()
+                if wheel_of(name) in values}
+
+    def release_joints(self) -> None:
+        """Switch off the motors of the joints, of which PyBullet holds all.
+
+        A joint keeps its friction, as in Gazebo. Motors of the drive stay as they are, and so do
+        joints that the model holds.
+        """
+        for joint in self.model.joints:
+            index = self.joints.get(joint.name)
+            if index is None or index in self.driven:
+                continue
+            if math.isinf(joint.held):
+                pybullet.setJointMotorControl2(
+                    self.body_id, index, pybullet.POSITION_CONTROL, force=_HOLDING_FORCE,
+                    targetPosition=joint.nearest_to_0, **self.client)
+            else:
+                friction = pybullet.getJointInfo(self.body_id, index, **self.client)[7]
+                pybullet.setJointMotorControl2(self.body_id, index, pybullet.VELOCITY_CONTROL,
+                                               force=joint.held or friction, **self.client)
 
     def stop_wheels(self) -> None:
         """Let the motors of the wheels hold them, if there are any."""

@@ -3,9 +3,9 @@
 A cylinder on a plane touches it with both edges in Gazebo, or with the lower one where its axle
 leans. PyBullet finds one or the other in a step, whichever is lower by a hair. So a wheel gets a
 link with a narrow tread at each edge that touches. The treads touch only what never moves, and the
-whole cylinder touches everything except floors, see meeting.py. A wheel that is a mesh becomes a
-cylinder: the convex hull of PyBullet has corners, and is 1 mm larger. ODE pushes a wheel out of
-the floor from a depth of <min_depth> on, so the rest of its robot is lower by that depth.
+whole cylinder touches everything except floors, see collision_filters.py. A wheel that is a mesh
+becomes a cylinder: the convex hull of PyBullet has corners, and is 1 mm larger. ODE pushes a wheel
+out of the floor from a depth of <min_depth> on, so the rest of its robot is lower by that depth.
 """
 import dataclasses
 import itertools

@@ -1,4 +1,4 @@
-"""How contacts give way, and what comes back from them.
+"""Springs of contacts: how they give way, and with what restitution.
 
 A contact of ODE pushes a body out of another one within one step. So a wheel leaves the floor by
 some micrometers, falls back onto it, and touches it in every second to fifth step only. Friction
@@ -16,7 +16,7 @@ the body goes down until what it is moved in a step is as much: that is a spring
 softer the heavier the body is (`_as_moved`).
 """
 import math
-from typing import Callable, Dict, Iterable, List, Mapping, NamedTuple, Set, Tuple
+from typing import Dict, Iterable, List, Mapping, NamedTuple, Set, Tuple
 
 import numpy as np
 import pybullet
@@ -27,15 +27,13 @@ from img_recog.rotations import IDENTITY, matrix
 from img_recog.simulation.physics import mesh_cache
 from img_recog.simulation.physics.body import Body
 from img_recog.simulation.physics.framed_body import FramedBody
-from img_recog.simulation.physics.tires import ACROSS, TREAD, wheel_of
+from img_recog.simulation.physics.tires import ACROSS
 
 # of a contact: so much damping that nothing vibrates, and what fell is out of the floor in 0.3 s
 _STIFFNESS_N_M, _DAMPING_N_S_M = 3e5, 1e5
 # for each kg of a body with joints that does not stand on wheels; no contact of a robot is softer
 _JOINTED_N_M, _JOINTED_N_S_M = 1e4, 2e3
-_FALLS_M_S = 0.1        # vertical speed from which on a body falls
 _SLOP_M = 1e-5          # PyBullet's default
-_ALWAYS_M = 1e18        # threshold of contacts by which all that are computed act
 _PUSH = 0.5         # share of the depth of a wheel that a contact pushes out in a step
 # for each kg of a robot: two links that touch in one place share the load only if both give way
 _SHARED_N_M = 1e6
@@ -62,84 +60,32 @@ class Spring(NamedTuple):
     slows: bool = True
 
 
-def set_up(physics_client_id: int, step_s: float, has_wheels: bool) -> None:
+def set_up(client: Dict[str, int], step_s: float, on_wheels: bool) -> None:
     """Set how contacts are solved in a client.
 
     Args:
-        physics_client_id: PyBullet's number of the client.
+        client: Argument that names the client.
         step_s: Time of a step in s.
-        has_wheels: Whether there is a robot on more than two wheels. These would never leave the
-            floor with PyBullet's slop.
+        on_wheels: Whether there is a robot on more than two wheels. The wheels would never leave
+            the floor with PyBullet's slop.
     """
     total = step_s * _STIFFNESS_N_M + _DAMPING_N_S_M
     pybullet.setPhysicsEngineParameter(
         enableConeFriction=0, globalCFM=1 / total, contactERP=step_s * _STIFFNESS_N_M / total,
         restitutionVelocityThreshold=_BOUNCES_FROM_M_S,
-        contactSlop=0 if has_wheels else _SLOP_M, physicsClientId=physics_client_id)
+        contactSlop=0 if on_wheels else _SLOP_M, **client)
 
 
-class Landing:
-    """Lets a robot land without bouncing: while it falls, contacts slow it down before it touches.
-
-    It is false for a body whose contacts do that anyway.
-    """
-
-    def __init__(self, body: FramedBody, forget_contacts: Callable[[Tuple[int, int]], None]):
-        """Give the contacts of the body their stiffness.
-
-        Args:
-            forget_contacts: Lets PyBullet make new contacts of a link, by the numbers of its body
-                and of the link.
-        """
-        self._body, self._forget_contacts = body, forget_contacts
-        self._links = apply(body)
-        self._falls = False
-
-    def __bool__(self) -> bool:
-        return bool(self._links)
-
-    def reset(self) -> None:
-        """Begin at rest: to be called when everything was moved to its start."""
-        self._set(False)
-
-    def update(self) -> None:
-        """Check whether the body falls or rises. Call it every few steps."""
-        self._set(abs(self._body.velocity()[0][2]) > _FALLS_M_S)
-
-    def _set(self, falls: bool) -> None:
-        if falls != self._falls:
-            self._falls = falls
-            for link in self._links:
-                pybullet.changeDynamics(
-                    self._body.body_id, link, contactProcessingThreshold=falls * _ALWAYS_M,
-                    **self._body.client)
-                # the threshold of a contact is the one that it began with
-                self._forget_contacts((self._body.body_id, link))
+def restitutions(body: FramedBody) -> Dict[int, float]:
+    """Return the restitution of each link that bounces, by PyBullet's indices."""
+    # PyBullet multiplies those of two bodies, where ODE takes the lower one
+    return {link: math.sqrt(contact.bounce) for link, contact in _contacts(body).items()
+            if contact.bounce > _LITTLE and (body.fixed or contact.throws)}
 
 
-def apply(body: FramedBody) -> List[int]:
-    """Give the contacts of a body their stiffness, and let it bounce if its file says so.
-
-    Returns:
-        Links of a body with joints whose contacts do not slow it down before it touches.
-    """
-    contacts = _contacts(body)
-    springs = _springs(body, contacts)
-    for link, spring in springs.items():
-        pybullet.changeDynamics(
-            body.body_id, link, contactStiffness=spring.stiffness, contactDamping=spring.damping,
-            **body.client,
-            **({} if spring.slows else {'contactProcessingThreshold': 0}))
-    for link, contact in contacts.items():
-        if contact.bounce > _LITTLE and (body.fixed or contact.throws):
-            # PyBullet multiplies those of two bodies, where ODE takes the lower one
-            pybullet.changeDynamics(body.body_id, link, restitution=math.sqrt(contact.bounce),
-                                    **body.client)
-    return [link for link, spring in springs.items() if body.joints and not spring.slows]
-
-
-def _springs(body: FramedBody, contacts: Mapping[int, Contact]) -> Dict[int, Spring]:
+def of_links(body: FramedBody) -> Dict[int, Spring]:
     """Return the springs of the links of a body that have their own, by PyBullet's indices."""
+    contacts = _contacts(body)
     mass = 0.0 if body.fixed else body.mass()
     if not mass:
         return {}
@@ -155,7 +101,7 @@ def _springs(body: FramedBody, contacts: Mapping[int, Contact]) -> Dict[int, Spr
         found = {link: Spring(limit, mass * _JOINTED_N_S_M) for link in body.links}
         if _stands_on_wheels(lows):
             found.update(_of_robot(body, mass, contacts, shared))
-    points = [low.points() for low in lows if low.height_m < _LOW_M]
+    points = [low.points() for low in lows]
     count = sum(in_ode for in_ode, _ in points)
     for link, contact in contacts.items():
         if contact == Contact():
@@ -176,7 +122,7 @@ def _of_robot(body: FramedBody, mass: float, contacts: Mapping[int, Contact],
     step_s = pybullet.getPhysicsEngineParameters(**body.client)['fixedTimeStep']
     found, names = {}, body.link_indices
     # a wheel itself meets no floor
-    for link in contacts.keys() - {names[wheel_of(name)] for name in names if TREAD in name}:
+    for link in contacts.keys() - {names[wheel] for wheel in body.with_treads}:
         contact = contacts[link]
         stiffness = (min(contact.stiffness / 2, _SHARED_N_M * mass) if link in shared
                      else contact.stiffness)
@@ -206,10 +152,7 @@ def _as_moved(contact: Contact, mass: float, count: int, body: Body) -> Spring:
 
 
 def _contacts(body: FramedBody) -> Dict[int, Contact]:
-    """Return the contacts of the links that have solids, by PyBullet's indices."""
-    contacts = {link.name: link.solids[0].contact for link in body.model.links if link.solids}
-    return {index: contacts[wheel_of(name)] for name, index in body.link_indices.items()
-            if wheel_of(name) in contacts}
+    return body.of_solids(lambda solid: solid.contact)
 
 
 class _Low(NamedTuple):
@@ -235,8 +178,8 @@ class _Low(NamedTuple):
 
 
 def _lows(body: FramedBody) -> List[_Low]:
-    """Return the solids of a body where it was loaded."""
-    wheels = {wheel_of(name) for name in body.link_indices if TREAD in name}
+    """Return the lowest solids of a body where it was loaded."""
+    wheels = body.with_treads
     found: List[_Low] = []
     for link in body.model.links:
         part = body.link_indices[link.name]
@@ -245,7 +188,8 @@ def _lows(body: FramedBody) -> List[_Low]:
         found += [_Low(position[2] + _lowest(solid, turned), solid, link.name in wheels,
                        turned @ solid.pose.rotation) for solid in link.solids]
     lowest = min((low.height_m for low in found), default=0.0)
-    return [low._replace(height_m=low.height_m - lowest) for low in found]
+    return [low._replace(height_m=low.height_m - lowest) for low in found
+            if low.height_m - lowest < _LOW_M]
 
 
 def _lowest(solid: Solid, turned: np.ndarray) -> float:
