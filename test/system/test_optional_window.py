@@ -1,6 +1,9 @@
 """Windows of other packages in the demo: started if they are there, else one line."""
 import os
+import select
+import socket
 import stat
+import threading
 
 import pytest
 
@@ -31,6 +34,27 @@ def test_a_program_that_is_there_is_started_with_its_arguments(ros, display, tmp
     process = start(ros, 'shown', 'program', '-d', 'a file', '__name:=rviz', **with_package)
     assert process.wait() == 0, process.output
     assert (tmp_path / 'arguments').read_text() == '-d a file __name:=rviz\n'
+
+
+@pytest.mark.display
+def test_a_display_that_resets_itself_is_tried_again(ros, display, with_package):
+    server = '/tmp/.X11-unix/X' + ros.env['DISPLAY'][1:]
+    listener = socket.create_server(('127.0.0.1', 0))
+
+    def serve():
+        listener.accept()[0].close()
+        with listener, listener.accept()[0] as client, socket.socket(socket.AF_UNIX) as xvfb:
+            xvfb.connect(server)
+            while True:
+                for sender in select.select([client, xvfb], [], [])[0]:
+                    data = sender.recv(1 << 16)
+                    if not data:
+                        return
+                    (xvfb if sender is client else client).sendall(data)
+    threading.Thread(target=serve, daemon=True).start()
+    process = start(ros, 'shown', 'program', DISPLAY='127.0.0.1:{}'.format(
+        listener.getsockname()[1] - 6000), **with_package)
+    assert process.wait() == 0 and process.output == ''
 
 
 def test_without_the_package_a_line_says_how_to_get_it(ros):

@@ -41,6 +41,7 @@ process.wait()
 # runs respawn.py after a change; roslaunch is killed while the node is started for the nth time
 CHANGED = '''
 import os, signal, subprocess, sys
+sys.dont_write_bytecode = True
 sys.path.insert(0, {folder!r})
 import respawn
 starts = 0

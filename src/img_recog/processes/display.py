@@ -7,9 +7,11 @@ from img_recog.errors import shortened
 
 _TIMEOUT_S = 10.0           # of a display on another host
 _NO_SERVER = 3
-# in a process: the library may block, and writes to stderr
-_OPEN = ('import ctypes, sys; x = ctypes.CDLL("libX11.so.6"); x.XOpenDisplay.restype = '
-         'ctypes.c_void_p; sys.exit(0 if x.XOpenDisplay(None) else {})'.format(_NO_SERVER))
+# in a process: the library may block, and writes to stderr; three times: Xvfb resets itself when
+# its last client leaves, and refuses clients meanwhile
+_OPEN = ('import ctypes, sys, time; x = ctypes.CDLL("libX11.so.6"); x.XOpenDisplay.restype = '
+         'ctypes.c_void_p; sys.exit(0 if any(x.XOpenDisplay(None) or time.sleep(0.3) '
+         'for _ in range(3)) else {})'.format(_NO_SERVER))
 
 
 def problem() -> str:

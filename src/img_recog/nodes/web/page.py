@@ -15,7 +15,6 @@ from nicegui import Client, run, ui
 
 from img_recog.nodes.web import page_texts
 from img_recog.nodes.web.page_elements import Shared, Visit
-from img_recog.nodes.web.page_texts import Texts
 from img_recog.nodes.web.tabs import TABS
 
 _STATIC = os.path.join(os.path.dirname(os.path.abspath(__file__)), 'static')
@@ -37,7 +36,7 @@ def build(app: FastAPI, shared: Shared) -> None:
         language = page_texts.language_of(request.headers.get('accept-language', ''))
         robot = await run.io_bound(shared.robots.get, request.query_params.get('robot', ''))
         pictures = await run.io_bound(robot.picture_topics)
-        _Page(Visit(shared, robot, Texts(language), pictures))
+        _Page(Visit(shared, robot, page_texts.Texts(language), pictures))
         _keep_few(waiting, ui.context.client)
 
     ui.run_with(app, title='img_recog', dark=None, tailwind=False, reconnect_timeout=5.0)
