@@ -7,7 +7,7 @@ from img_recog.errors import SimulationError, shortened
 from img_recog.formats.problems import Problems
 from img_recog.formats.world_file import WorldFile
 from img_recog.model import PLANE, AttachedFrame, Friction, Link, Model, Shape, Solid, Tree
-from img_recog.simulation.physics import build, crowding, gears, standing, tires
+from img_recog.simulation.physics import build, crowding, standing, tires
 from img_recog.simulation.physics.body import Body
 from img_recog.simulation.physics.client import all_or_nothing, client_argument
 from img_recog.simulation.physics.forces import Forces
@@ -224,7 +224,7 @@ class World:
         lines: List[str] = []
         for body in bodies:
             adopted = self._adopted[body.body_id] = _Adopted(
-                gears.add(body), Forces(body, self.step_s, self.file.gravity))
+                body.add_gears(), Forces(body, self.step_s, self.file.gravity))
             lines += ['{}: {}'.format(body.name, line) for line in adopted.forces.warnings]
         return lines
 
