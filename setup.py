@@ -5,4 +5,4 @@ from catkin_pkg.python_setup import generate_distutils_setup
 setup(**generate_distutils_setup(
     packages=find_packages('src'), package_dir={'': 'src'},
     package_data={'img_recog.command_line': ['messages_ja.txt'],
-                  'img_recog.nodes.web': ['static/*']}))
+                  'img_recog.nodes.web': ['page_texts.txt', 'static/*']}))

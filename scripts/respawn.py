@@ -35,6 +35,8 @@ _LONG_LIFE_S = 4.0              # a node that lived so long is started again at 
 _FIRST_DELAY_S, _MAX_DELAY_S = 0.5, 5.0
 _POLL_PERIOD_S = 0.1
 _PARENT_ENDED = signal.SIGUSR1
+_SIGNALS = *signals.ENDING, _PARENT_ENDED
+_END_LIMIT_S = 15               # the time that roslaunch gives a node to end
 # roslaunch that is interrupted while it starts nodes may wait for its own locks
 _MIN_AGE_TO_INTERRUPT_S = 2.0
 
@@ -78,7 +80,7 @@ class Respawner:
     def _run_once(self):
         """Run the command; return its exit code, or the negative number of its signal."""
         # no signal may come between its start and the assignment
-        signal.pthread_sigmask(signal.SIG_BLOCK, signals.ENDING)
+        signal.pthread_sigmask(signal.SIG_BLOCK, _SIGNALS)
         if self._signum:
             return 0
         try:
@@ -89,7 +91,7 @@ class Respawner:
             sys.stderr.write('{}: {}\n'.format(self._command[0], error.strerror))
             return 127
         finally:
-            signal.pthread_sigmask(signal.SIG_UNBLOCK, signals.ENDING)
+            signal.pthread_sigmask(signal.SIG_UNBLOCK, _SIGNALS)
         return self._child.wait()
 
     def _forward(self, signum, _):
@@ -101,6 +103,8 @@ class Respawner:
     def _end_with_parent(self, *_):
         # the kernel also sends the signal when only the thread that started this program ends
         if self._is_orphan():
+            # if the node does not end, this ends both: the kernel kills the node with its parent
+            signal.alarm(_END_LIMIT_S)
             self._forward(signal.SIGTERM, None)
 
     def _is_orphan(self):
@@ -118,10 +122,9 @@ class Respawner:
                 os.kill(self._parent, signal.SIGINT)
         else:
             self._say('ended and is not started again: {}'.format(reason))
-        awaited = *signals.ENDING, _PARENT_ENDED
-        signal.pthread_sigmask(signal.SIG_BLOCK, awaited)
+        signal.pthread_sigmask(signal.SIG_BLOCK, _SIGNALS)
         while not (self._signum or self._is_orphan()):
-            if signal.sigwait(awaited) != _PARENT_ENDED:
+            if signal.sigwait(_SIGNALS) != _PARENT_ENDED:
                 break
 
     def _wait(self, delay_s):
@@ -141,7 +144,7 @@ def _become_node(parent):
     if os.getppid() != parent:          # it was killed before
         os._exit(1)
     signals.handle(signal.SIG_DFL)
-    signal.pthread_sigmask(signal.SIG_UNBLOCK, signals.ENDING)
+    signal.pthread_sigmask(signal.SIG_UNBLOCK, _SIGNALS)
 
 
 def _is_python(process):

@@ -28,6 +28,7 @@ from img_recog.command_line import programs
 from img_recog.errors import UserError, one_line
 from img_recog.formats.world_file import EMPTY
 from img_recog.loading import assemble
+from img_recog.report import LEFT_OUT
 from img_recog.simulation.assembly import Assembly
 from img_recog.simulation.figures import Figures
 from img_recog.simulation.physics.body import Body
@@ -58,7 +59,7 @@ def text_of(path: str) -> str:
 def _robot(path: str) -> Iterator[str]:
     spec = assemble.robot(path)
     built = assemble.simulator(PhysicsSettings(world=EMPTY), [spec])
-    yield from ('warning ' + line for line in built.warnings)
+    yield from ('warning ' + line for line in built.report.lines())
     robot = built.simulator.robots[0]
     yield 'drive ' + _plain(dataclasses.asdict(spec.settings.drive))
     for sensor in (each for each in spec.sensors if not each.kind.is_drawn):
@@ -71,8 +72,8 @@ def _robot(path: str) -> Iterator[str]:
 def _world(path: str) -> Iterator[str]:
     built = assemble.simulator(PhysicsSettings(world=path, allow_partial_world=True))
     file = built.simulator.world.file
-    yield from ('warning ' + line for line in built.warnings)
-    yield from ('left out ' + line for line in built.left_out)
+    yield from ('warning ' + line for line in built.report.lines())
+    yield from ('left out ' + line for line in built.report.of(LEFT_OUT))
     yield 'gravity {} floor {} camera {}'.format(_plain(file.gravity), file.has_floor,
                                                  _plain(file.camera))
     yield from _bodies(built)

@@ -166,9 +166,11 @@ download() {
   mkdir -p "$1/packages/partial" "$1/wheels" || fail 'cannot write in {}' "$1"
   folder=$(readlink -f "$1")
   say 'downloading into {}' "$folder"
-  : >"$build/nothing_installed"         # so that apt takes all that the other computer may lack
+  # An empty list of installed packages, so that apt takes all that the other computer may lack. The
+  # locks of apt are beside it, so this needs no rights of root.
+  : >"$build/nothing_installed"
   # shellcheck disable=SC2046
-  logged apt-get download.log as_root apt-get install -y -q --download-only --no-install-recommends \
+  logged apt-get download.log apt-get install -y -q --download-only --no-install-recommends \
     -o Dir::State::status="$build/nothing_installed" -o Dir::Cache::archives="$folder/packages" \
     -o APT::Sandbox::User=root $(listed "$list")
   list_packages "$folder/packages" >"$build/Packages"

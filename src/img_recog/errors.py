@@ -58,9 +58,12 @@ def suggestion(name: str, known: Iterable[str]) -> str:
     return similar and 'did you mean {}?'.format(similar)
 
 
-def most_similar(name: str, known: Iterable[str]) -> str:
-    """Return the known name that is the most similar, empty if none is similar."""
-    return ''.join(difflib.get_close_matches(shortened(name), sorted(known), 1))
+def most_similar(name: str, known: Iterable[str], cutoff: float = 0.6) -> str:
+    """Return the known name that is the most similar, empty if none is similar.
+
+    cutoff: least similarity, from 0 to 1, as difflib computes it.
+    """
+    return ''.join(difflib.get_close_matches(shortened(name), sorted(known), 1, cutoff))
 
 
 def shortened(value: object, limit: int = MAX_FOREIGN) -> str:

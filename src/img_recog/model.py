@@ -356,9 +356,7 @@ class Model:
 
     frames: where each link of the file is, also one that was lumped into another; surfaces: of
     each link of the file with a contact sensor, the links that have its solids and no others;
-    tags: of its sensors and plugins; missing_meshes: URIs; missing_looks: what is not known or not
-    found of materials; warnings: what is simulated in another way than given, a line each;
-    left_out: joints; changed_inertias: links; held: joints of an SDF that hold links fast; gears:
+    tags: of its sensors and plugins; held: joints of an SDF that hold links fast; gears:
     between its joints; can_sleep: whether it may fall asleep if it has no joint that moves.
     """
 
@@ -368,11 +366,6 @@ class Model:
     frames: Mapping[str, AttachedFrame] = field(default_factory=dict)
     surfaces: Mapping[str, Sequence[str]] = field(default_factory=dict)
     tags: Tuple[Tag, ...] = ()
-    missing_meshes: Tuple[str, ...] = ()
-    missing_looks: Tuple[str, ...] = ()
-    warnings: Tuple[str, ...] = ()
-    left_out: Tuple[str, ...] = ()
-    changed_inertias: Tuple[str, ...] = ()
     held: Tuple[str, ...] = ()
     gears: Tuple[Gear, ...] = ()
     can_sleep: bool = True

@@ -88,7 +88,7 @@ def any_value() -> Allowed:
 
 # The squares and products of such numbers can be computed: with 1e308, the largest one of a
 # double, and its kind, the physics would compute NaN.
-_LARGEST, _SMALLEST = 1e30, 1e-30
+LARGEST, _SMALLEST = 1e30, 1e-30
 MAX_INT = 0x7fffffff       # integers on the parameter server have 32 bits
 _TYPE_TEXTS = {int: 'a whole number', float: 'a finite number', bool: 'true or false',
                str: 'a string'}
@@ -182,7 +182,7 @@ def computable(value: float) -> float:
     >>> computable(-1.7e308), computable(5e-324), computable(0.5)
     (-1e+30, 0.0, 0.5)
     """
-    return 0.0 if abs(value) < _SMALLEST else max(-_LARGEST, min(value, _LARGEST))
+    return 0.0 if abs(value) < _SMALLEST else max(-LARGEST, min(value, LARGEST))
 
 
 def _as_roscpp(field: dataclasses.Field, value: Any) -> Any:

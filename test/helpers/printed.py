@@ -63,12 +63,17 @@ def model(found):
     lines.extend('joint ' + text(each) for each in found.joints)
     moved = {name: frame for name, frame in found.frames.items() if name != frame.link}
     lines.extend('frame {}: in {}'.format(name, text(frame)) for name, frame in moved.items())
-    for name in ('missing_meshes', 'missing_looks', 'warnings', 'left_out', 'changed_inertias',
-                 'held', 'gears'):
+    for name in ('held', 'gears'):
         lines.extend('{}: {}'.format(name.replace('_', ' '), text(each))
                      for each in getattr(found, name))
     lines.extend('contacts of {}: {}'.format(*map(text, each)) for each in found.surfaces.items())
     return lines
+
+
+def findings(report):
+    """Return the lines of the findings of a Report."""
+    return ['{}: {}{}'.format(each.kind, each.text(), each.advice and '; ' + each.advice)
+            for each in report.findings]
 
 
 def tree(found):

@@ -2,8 +2,8 @@
 import xml.etree.ElementTree as ElementTree
 
 from img_recog.formats import sdf_models, world_file
-from img_recog.formats.problems import Problems
 from img_recog.formats.world_file import WorldFile
+from img_recog.report import LEFT_OUT, Report
 from img_recog.simulation.figures import Figures
 from img_recog.simulation.models import Models
 from img_recog.simulation.physics.client import connect
@@ -91,10 +91,10 @@ def convert(*inside, version=(1, 6), problems=(), findings=()):
     """Return the trees of a model of these elements; problems: the names of what is left out;
     findings: what its reader finds."""
     model = ElementTree.fromstring('<model name="m">{}</model>'.format(''.join(inside)))
-    found = Problems()
+    found = Report()
     trees = sdf_models.trees(model, version, lambda uri: None, found)
-    assert found.names == tuple(problems)
-    assert tuple(finding.text() for finding in found.findings) == tuple(findings)
+    assert found.of(LEFT_OUT) == list(problems)
+    assert [each.text() for each in found.findings if each.kind != LEFT_OUT] == list(findings)
     return trees
 
 

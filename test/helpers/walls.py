@@ -5,7 +5,7 @@ import pathlib
 
 PURE = ('camera', 'formats', 'recognition', 'rendering', 'simulation', 'teleoperation')
 GROUND_FLOOR = ('camera_arguments', 'command_line', 'errors', 'files', 'loading', 'model',
-                'processes', 'rotations', 'settings')
+                'processes', 'report', 'rotations', 'settings')
 # the rooms of simulation/, from the lowest to the highest: none imports one above it
 SIMULATION_ROOMS = ('simulation_settings', 'names', 'wheels', 'physics', 'sensors',
                     'configured_model', 'mounted_sensors', 'simulated_model', 'guard', 'hanging',
@@ -27,13 +27,13 @@ ROS_LIBRARIES = ('actionlib', 'camera_info_manager', 'catkin', 'cv_bridge', 'dia
                  'laser_geometry', 'message_filters', 'nodelet', 'tf', 'tf2_ros', 'tf_conversions')
 # for each part of img_recog, the other parts that it may use
 ALLOWED = {
-    **{folder: ('camera_arguments', 'errors', 'files', 'formats', 'model', 'rotations',
+    **{folder: ('camera_arguments', 'errors', 'files', 'formats', 'model', 'report', 'rotations',
                 'settings') + (('processes',) if folder == 'simulation' else ())
        for folder in PURE},
     'command_line': ('errors', 'processes'),
     '__init__': (), 'errors': (), 'processes': ('camera_arguments', 'errors'),
     'camera_arguments': ('settings',), 'rotations': (),
-    'model': ('rotations',), 'files': ('errors',), 'settings': ('errors',),
+    'model': ('rotations',), 'report': ('errors',), 'files': ('errors',), 'settings': ('errors',),
     'loading': ('conversions', 'errors', 'files', 'formats', 'settings', 'simulation'),
     'ros': ('errors', 'processes', 'settings'),
     'conversions': PURE + ('errors', 'rotations', 'settings'),

@@ -138,13 +138,18 @@ def test_a_picture_grows_on_a_click(browser, size):
 
 
 def test_the_names_of_near_robots_do_not_overlap(desk):
-    names = [['tb3_{}'.format(number), [100 + number, 100], 40] for number in range(8)]
-    placed = desk.js('return page.mapping.placeLabels(arguments[0], 300)', names)
+    names = [['tb3_{}'.format(number), [100 + number, 100], 40, 12] for number in range(8)]
+    robots = [[100 + number, 100, 10] for number in range(8)] + [[140, 100, 12]]
+    placed = desk.js('return page.mapping.placeLabels(arguments[0], 300, arguments[1])', names,
+                     robots)
     assert [name for name, *_ in placed] == [name for name, *_ in names]
     for number, (_, x, y, width) in enumerate(placed):
         assert 0 <= x <= 300 - width
         for _, other_x, other_y, other_width in placed[:number]:
             assert abs(y - other_y) >= 12 or x >= other_x + other_width or other_x >= x + width
+        for robot_x, robot_y, size in robots:       # the text is above its base line
+            assert (y <= robot_y - size or y - 13 >= robot_y + size or x >= robot_x + size
+                    or x + width <= robot_x - size)
 
 
 def test_the_map_draws_no_edge_inside_of_a_wall(desk):

@@ -354,6 +354,7 @@ def test_without_sudo_the_packages_for_the_administrator_are_named(checkout, bar
 
 def test_the_reason_of_a_program_that_fails_is_shown(checkout, bare):
     env, _ = bare
+    add_program(env, 'id', 'echo 0\n')          # other users get advice, too
     reason = 'E: You don\'t have enough free space in /var/cache/apt/archives/'
     in_advance = '[run] apt-get failed: {}; see build/apt.log\n'.format(reason)
     code, output = run(checkout, dict(env, APT_ERROR=reason + '.'), 'setup')
@@ -362,6 +363,8 @@ def test_the_reason_of_a_program_that_fails_is_shown(checkout, bare):
     code, output = run(checkout, dict(env, APT_ERROR='dpkg: error'), 'setup')
     assert code == 1 and 'apt-get failed: No space left on device; see build/' in output, output
     add_program(env, 'df', 'echo 1\n')
+    code, output = run(checkout, env, 'build')  # cmake is configured, also if no test was before
+    assert code == 0, output
     add_program(env, 'cmake', 'echo "CMake Error at a.txt:1 (include):"\n'
                 'echo "  No space left on device"\necho\necho "-- incomplete"\nexit 1\n')
     code, output = run(checkout, env, 'build')
@@ -411,6 +414,7 @@ def tiny(env, tmp_path):
     (tmp_path / 'bin').mkdir()
     env = dict(env, PATH='{}:{}'.format(tmp_path / 'bin', env['PATH']))
     add_program(env, 'apt-get', OFFLINE_APT.format(deb=tmp_path / 'tiny_1.0_all.deb'))
+    add_program(env, 'sudo', 'exec "$@"\n')
     return checkout, env
 
 
@@ -440,6 +444,16 @@ def test_what_is_downloaded_is_enough_to_install_without_internet(tiny, tmp_path
     (folder / 'platform').write_text('debian 11 riscv64\n')
     code, output = run(checkout, env, 'setup', '--from', str(folder))
     assert code == 1 and ' is for debian 11 riscv64, and this computer is ' in output, output
+
+
+def test_a_download_needs_no_root_rights(tiny, tmp_path):
+    checkout, env = tiny
+    add_program(env, 'id', 'echo 1000\n')
+    add_program(env, 'sudo', 'exit 1\n')
+    folder = tmp_path / 'disk'
+    code, output = download(
+        checkout, dict(env, PIP_NO_INDEX='1', PIP_FIND_LINKS=str(tmp_path)), folder)
+    assert code == 0 and (folder / 'packages' / 'tiny_1.0_all.deb').exists(), output
 
 
 CHANGED = (r'\[run\] pip failed: img_recog_tiny==1\.0 from \S+{}\S*/img_recog_tiny-1\.0-\S+; '

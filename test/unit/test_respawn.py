@@ -9,8 +9,9 @@ import pytest
 from img_recog_helpers.process_table import is_alive
 from img_recog_helpers.waiting import wait_for
 
-PROGRAM = os.path.normpath(os.path.join(os.path.dirname(os.path.abspath(__file__)), '..', '..',
-                                        'scripts', 'respawn.py'))
+FOLDER = os.path.normpath(os.path.join(os.path.dirname(os.path.abspath(__file__)), '..', '..',
+                                       'scripts'))
+PROGRAM = os.path.join(FOLDER, 'respawn.py')
 # writes a line with its id, then runs the code that the test gives
 NODE = '''
 import os, signal, sys, time
@@ -37,15 +38,35 @@ while len(os.listdir('/proc/self/task')) > 1:       # the kernel signals its chi
 print('child', process.pid, flush=True)
 process.wait()
 '''
+# runs respawn.py after a change; roslaunch is killed while the node is started for the nth time
+CHANGED = '''
+import os, signal, subprocess, sys
+sys.path.insert(0, {folder!r})
+import respawn
+starts = 0
+class Popen(subprocess.Popen):
+    def __init__(self, *args, **options):
+        global starts
+        starts += 1
+        parent = os.getppid()
+        if starts == {killed_at}:
+            os.kill(parent, signal.SIGKILL)
+        while starts == {killed_at} and os.getppid() == parent:
+            pass
+        super().__init__(*args, **options)
+subprocess.Popen = Popen
+respawn._END_LIMIT_S = {limit_s}
+sys.exit(respawn.main())
+'''
 
 
 class Run:
     """respawn.py with a node."""
 
-    def __init__(self, path, code, *options, arguments=()):
+    def __init__(self, path, code, *options, arguments=(), program=(PROGRAM,)):
         self._starts = path / 'starts'
         self._errors = path / 'errors'
-        command = [sys.executable, PROGRAM, *options, sys.executable, '-c', NODE + code,
+        command = [sys.executable, *program, *options, sys.executable, '-c', NODE + code,
                    str(self._starts), '__name:=node', *arguments]
         with open(str(self._errors), 'w') as file:
             self.process = subprocess.Popen([sys.executable, '-c', PARENT, *command], stderr=file,
@@ -130,6 +151,25 @@ def test_it_does_not_outlive_roslaunch_that_is_killed_before_it_has_begun(run):
     process.process.kill()
     wait_for(lambda: not is_alive(process.pid), 'the end')
     assert not any(map(is_alive, process.pids))
+
+
+@pytest.mark.parametrize('start', [1, 2])
+def test_roslaunch_that_is_killed_while_the_node_is_started(run, start):
+    process = run('if starts < {}: sys.exit(70)\nwait()'.format(start),
+                  program=('-c', CHANGED.format(folder=FOLDER, killed_at=start, limit_s=15)))
+    process.process.wait()
+    wait_for(lambda: not is_alive(process.pid), 'the end')
+    wait_for(lambda: not any(map(is_alive, process.pids)), 'the end of the node')
+
+
+def test_a_node_that_does_not_end_is_killed_after_roslaunch(run):
+    process = run('signal.signal(signal.SIGTERM, signal.SIG_IGN)\n'
+                  'os.write(1, b"ready\\n")\nwait()',
+                  program=('-c', CHANGED.format(folder=FOLDER, killed_at=0, limit_s=1)))
+    assert process.process.stdout.readline() == 'ready\n'
+    process.process.kill()
+    wait_for(lambda: not is_alive(process.pid), 'the end')
+    wait_for(lambda: not any(map(is_alive, process.pids)), 'the end of the node')
 
 
 def test_it_does_not_outlive_roslaunch_when_the_node_has_ended(run):

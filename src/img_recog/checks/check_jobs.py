@@ -108,13 +108,17 @@ def _simulate(words: List[str], _: object) -> str:
     given = simulate_parser().parse_args(words)
     programs.keep_for_data()
     from img_recog.checks import simulation_run
-    run, told = simulation_run.SimulationRun(given), 0
+    run = simulation_run.SimulationRun(given)
+    for warning in run.report.lines():
+        _warn(warning)
+    run.report.listen(_warn)
     for line in run.lines():
-        for warning in run.warnings[told:]:
-            sys.stderr.write('warning: {}\n'.format(warning))
-        told = len(run.warnings)
         programs.write(simulation_run.text_of(line))
-    return _Partial() if run.is_partial else ''
+    return _Partial() if run.report.is_partial else ''
+
+
+def _warn(line: str) -> None:
+    sys.stderr.write('warning: {}\n'.format(line))
 
 
 _PROGRAMS = {'check_robot.py': _check_robot, 'check_world.py': _check_world,

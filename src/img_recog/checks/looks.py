@@ -5,27 +5,28 @@ from typing import Dict, List, NamedTuple, Optional, Set
 import numpy as np
 
 from img_recog import rotations
-from img_recog.checks.report import NOT_DRAWN, SIMULATED, CheckRow
+from img_recog.checks.check_report import SIMULATED, CheckRow
 from img_recog.errors import UserError, one_line
 from img_recog.formats import textures
 from img_recog.formats.meshes import mesh_file
 from img_recog.model import Visual
 from img_recog.rendering import triangles
+from img_recog.report import NOT_DRAWN
 from img_recog.simulation.pictures import visual_scene
 from img_recog.simulation.pictures.scene import scene_of
 from img_recog.simulation.simulator import Simulator
 
 
 class Looks(NamedTuple):
-    """rows: what there is to draw, and a row for each file that cannot be read; boxes: the lowest
+    """row: how much there is to draw; boxes: the lowest
     and the highest corner, (2, 3), of each body, robots first; None for one that is not drawn."""
 
-    rows: List[CheckRow]
+    row: CheckRow
     boxes: List[Optional[np.ndarray]]
 
 
 def read(simulator: Simulator) -> Looks:
-    """Read all that there is to draw."""
+    """Read all that there is to draw; the world's report gets the files that cannot be read."""
     parts = visual_scene.Parts(simulator)
     visuals = visual_scene.read(scene_of(simulator), parts).visuals
     poses, reader = parts.poses(), _Reader()
@@ -38,7 +39,9 @@ def read(simulator: Simulator) -> Looks:
     row = CheckRow(
         SIMULATED, 'drawn', '{} shapes, {} triangles, {} mesh files, {} textures'.format(
             len(visuals), reader.triangles, len(reader.meshes), len(reader.textures)))
-    return Looks([row, *(CheckRow(NOT_DRAWN, problem) for problem in reader.problems)], boxes)
+    for problem in reader.problems:
+        simulator.world.report.add(NOT_DRAWN, problem)
+    return Looks(row, boxes)
 
 
 class _Reader:

@@ -7,8 +7,8 @@ import numpy as np
 
 from img_recog.checks import looks
 from img_recog.checks.looks import Looks
-from img_recog.checks.report import (ASSUMED, MEASURED, NOT_DRAWN, NOT_SIMULATED, SIMULATED,
-                                     CheckReport, CheckRow, rows_of, size)
+from img_recog.checks.check_report import (MEASURED, SIMULATED, CheckReport, CheckRow, rows_of,
+                                           size)
 from img_recog.conversions.topic_checks import check_topics
 from img_recog.errors import UserError, one_line
 from img_recog.formats import drive_controllers
@@ -17,6 +17,7 @@ from img_recog.formats.markup import MarkupError, read_bytes
 from img_recog.formats.world_file import EMPTY
 from img_recog.formats.yaml_text import load_yaml
 from img_recog.loading import assemble
+from img_recog.report import ASSUMED, NOT_SIMULATED
 from img_recog.simulation import wheels
 from img_recog.simulation.configured_model import ConfiguredModel, refused
 from img_recog.simulation.simulation_settings import DriveSettings, PhysicsSettings
@@ -57,16 +58,12 @@ def check(path: str, parameters: Sequence[str] = ()) -> CheckReport:
     seen = looks.read(simulator)
     rows = [*_body(robot, seen), *_friction(spec), *_drive(spec),
             *_sensors(spec, robot),
-            *(CheckRow(NOT_SIMULATED, 'joint ' + each) for each in spec.model.left_out),
-            *(CheckRow(NOT_SIMULATED, each) for each in spec.not_simulated),
-            *rows_of(spec.findings),
-            *(CheckRow(NOT_DRAWN, 'mesh ' + uri) for uri in spec.model.missing_meshes),
-            *(CheckRow(NOT_DRAWN, each) for each in spec.model.missing_looks),
-            *seen.rows]
+            seen.row, *rows_of(built.report)]
+    before = built.report.lines()
     lines: Dict[str, None] = {}
     # a wheel about a wrong axis leaves the floor, which is not its defect
     if not wheels.measure(spec.model, drive).askew:
-        simulator.warn = lambda line: lines.update({'{}: {}'.format(path, line): None})
+        built.report.listen(lambda line: lines.update({'{}: {}'.format(path, line): None}))
     driven = list(_driven(spec, simulator)) if drive.is_there else []
     slips = _slips(drive)
     drifts = [each for each in driven if not each.asked]
@@ -75,10 +72,9 @@ def check(path: str, parameters: Sequence[str] = ()) -> CheckReport:
     return CheckReport('robot {} in {}'.format(robot.body.name, path),
                        rows + [each.row() for each in driven],
                        # one that does not touch the floor cannot drive
-                       (*built.warnings,
+                       (*before,
                         *(lines or [each.warning(path) for each in still + drifts])),
-                       is_partial=bool(built.is_partial or still or not drive.is_there
-                                       or any(row.state == NOT_DRAWN for row in rows)))
+                       is_partial=bool(built.report.is_partial or still or not drive.is_there))
 
 
 def _controllers(namespace: str, paths: Sequence[str]) -> Controllers:
@@ -106,8 +102,6 @@ def _body(robot: Robot, seen: Looks) -> Iterator[CheckRow]:
         *robot.settings.drive.left_joints, *robot.settings.drive.right_joints)]
     if held:
         yield CheckRow(SIMULATED, 'joints that are held', ', '.join(held), 'ros_control')
-    for name in body.model.changed_inertias:
-        yield CheckRow(ASSUMED, 'inertia of ' + name, 'the nearest possible one')
 
 
 def _friction(robot: ConfiguredModel) -> Iterator[CheckRow]:
@@ -158,8 +152,7 @@ def _sensors(spec: ConfiguredModel, robot: Robot) -> Iterator[CheckRow]:
         if kind.is_drawn:
             yield _camera(settings)
             continue
-        if name in robot.missing_sensors:
-            yield CheckRow(NOT_SIMULATED, name, 'no link ' + robot.missing_sensors[name])
+        if name in robot.missing_sensors:       # a finding
             continue
         is_given = place is not None or any(field.name in spec.tag_values
                                             for field in dataclasses.fields(settings))

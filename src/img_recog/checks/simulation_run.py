@@ -11,6 +11,7 @@ import cv2
 from img_recog.conversions.robot_cameras import DrawnCamera, Drawing
 from img_recog.errors import UserError
 from img_recog.loading import assemble
+from img_recog.report import NOT_DRAWN
 from img_recog.simulation.figures import Figures
 from img_recog.simulation.models import Models
 from img_recog.simulation.mounted_sensors import MountedSensors
@@ -23,8 +24,8 @@ class SimulationRun:
     """A simulation of a world, built as in the node.
 
     Attributes:
-        warnings: Lines for the user; more come while it is simulated, as of what flies away.
-        is_partial: Whether something that a file asks for is not done.
+        report: What is not done as the files ask; more comes while it is simulated, as of what
+            flies away.
     """
 
     def __init__(self, given: Any):
@@ -39,10 +40,8 @@ class SimulationRun:
         self._built = assemble.simulator(
             PhysicsSettings(world=given.world, allow_partial_world=True), robots,
             with_sensors=True, with_bare=True, with_drives=bool(given.twist and not given.urdf))
-        self.warnings = list(self._built.warnings)
-        self.is_partial = self._built.is_partial
+        self.report = self._built.report
         self._simulator = self._built.simulator
-        self._simulator.warn = self.warnings.append
         self._figures = Figures(self._simulator)
         self._readings: Dict[Tuple[str, str], Any] = {}
         models = Models(self._simulator)
@@ -97,8 +96,8 @@ class SimulationRun:
     def _draw(self, folder: str) -> None:
         """Write a PNG of each camera."""
         drawing = Drawing(self._built)
-        self.warnings += ['not drawn: ' + line for line in drawing.missing]
-        self.is_partial |= bool(drawing.missing)
+        for line in drawing.missing:
+            self.report.add(NOT_DRAWN, line)
         os.makedirs(folder, exist_ok=True)
         for mounted in self._simulator.sensors:
             names = {each.name: each.label for each in mounted.spec.sensors}

@@ -5,10 +5,10 @@ import numpy as np
 
 from img_recog.checks import looks
 from img_recog.checks.looks import Looks
-from img_recog.checks.report import (LEFT_OUT, NOT_DRAWN, NOT_SIMULATED, SIMULATED, CheckReport,
-                                     CheckRow, rows_of, size)
+from img_recog.checks.check_report import SIMULATED, CheckReport, CheckRow, rows_of, size
 from img_recog.formats.world_file import WorldFile
 from img_recog.loading import assemble
+from img_recog.report import LEFT_OUT
 from img_recog.simulation.physics.world import World
 from img_recog.simulation.simulation_settings import PhysicsSettings
 
@@ -23,19 +23,14 @@ def check(path: str, allow_partial: bool = False) -> CheckReport:
     """
     built = assemble.simulator(PhysicsSettings(world=path, allow_partial_world=True),
                                with_sensors=True, with_drives=True)
-    file, left_out = built.simulator.world.file, built.left_out
+    file, report = built.simulator.world.file, built.report
     seen = looks.read(built.simulator)
-    rows = [*_models(built.simulator.world, seen), *_rest(file),
-            *(CheckRow(NOT_SIMULATED, each) for each in built.not_simulated),
-            *(CheckRow(NOT_SIMULATED, each, robot.name) for robot in built.simulator.robots
-              for each in robot.not_done), *seen.rows,
-            *(CheckRow(NOT_DRAWN, each, 'its surface') for each in file.missing_looks),
-            *(CheckRow(LEFT_OUT, each, 'needs ' + _OPTION) for each in left_out)]
-    problem = '' if allow_partial or not left_out else (
+    rows = [*_models(built.simulator.world, seen), *_rest(file), seen.row, *rows_of(report)]
+    problem = '' if allow_partial or not report.of(LEFT_OUT) else (
         'something is left out of it; give --allow-partial-world here, and {} to the demo'.format(
             _OPTION))
-    return CheckReport('world {} in {}'.format(file.name, path), rows, built.warnings, problem,
-                       built.is_partial or any(row.state == NOT_DRAWN for row in rows))
+    return CheckReport('world {} in {}'.format(file.name, path), rows, report.lines(), problem,
+                       report.is_partial)
 
 
 def _models(world: World, seen: Looks) -> Iterator[CheckRow]:
@@ -56,4 +51,3 @@ def _rest(file: WorldFile) -> Iterator[CheckRow]:
     if file.has_floor:
         yield CheckRow(SIMULATED, 'floor', 'at z 0')
     yield CheckRow(SIMULATED, 'gravity', '{:g} {:g} {:g} m/s2'.format(*file.gravity))
-    yield from rows_of(file.findings)

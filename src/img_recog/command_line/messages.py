@@ -6,7 +6,7 @@ empty one. Each {} is the place of a value.
 import functools
 import os
 import pathlib
-from typing import Dict, Mapping
+from typing import Dict, Iterator, List, Mapping
 
 
 def is_japanese(environment: Mapping[str, str] = os.environ) -> bool:
@@ -22,9 +22,14 @@ def is_japanese(environment: Mapping[str, str] = os.environ) -> bool:
 @functools.lru_cache(maxsize=None)
 def japanese() -> Dict[str, str]:
     """Return the table: the Japanese text by the English one."""
-    text = pathlib.Path(__file__).with_name('messages_ja.txt').read_text(encoding='utf-8')
-    entries = (entry.splitlines() for entry in text.strip().split('\n\n'))
-    return {entry[0]: entry[1] for entry in entries if not entry[0].startswith('#')}
+    return dict(entries(pathlib.Path(__file__).with_name('messages_ja.txt')))
+
+
+def entries(path: pathlib.Path) -> Iterator[List[str]]:
+    """Yield the lines of each entry of a table of texts; an empty line ends an entry."""
+    for entry in path.read_text(encoding='utf-8').strip().split('\n\n'):
+        if not entry.startswith('#'):
+            yield entry.splitlines()
 
 
 def message(english: str, *values: object) -> str:

@@ -1,13 +1,15 @@
 """What a file asks for that is not done here, and what of it is not known."""
 import functools
 import math
+import re
 import xml.etree.ElementTree as ElementTree
-from typing import Dict, Iterable, Iterator, List, Mapping, NamedTuple, Optional, Sequence, Tuple
+from typing import Dict, Iterator, List, Mapping, Optional, Tuple
 
+from img_recog.errors import most_similar
 from img_recog.formats.elements import (ATTRIBUTES, KNOWN_PLUGINS, MODEL_PLUGINS, NO_EFFECT,
-                                        NOT_SIMULATED, PLUGIN_NAMES, SDF, SIMULATED, URDF, Fates)
+                                        PLUGIN_NAMES, SDF, SIMULATED, URDF, WITHOUT_ROS, Fates)
+from img_recog.report import NOT_KNOWN, NOT_SIMULATED, NOT_UNIQUE, NOT_USED, Finding
 
-NOT_KNOWN, NOT_USED, NOT_UNIQUE = 'not known', 'not used', 'not unique'
 _FORMATS: Mapping[str, Mapping[str, Fates]] = {'sdf': SDF, 'robot': URDF}
 _UNIQUE = ('model', 'link', 'joint', 'visual', 'collision')     # by their names, in one parent
 _NAMED = ('model', 'link', 'joint')
@@ -18,54 +20,21 @@ _MANY = frozenset('world model link joint collision visual sensor light plugin i
 _TOLD = ('plugin', 'sensor', 'light', 'actor')    # which one it is
 _WORDS = {'true': True, '1': True, 'false': False, '0': False}
 _FRICTIONS = ('mu', 'mu1', 'mu2')
+_PLUGINS = (*KNOWN_PLUGINS, *MODEL_PLUGINS)
+_SHORT_NAMES = [word.split('_', 2)[2] for word in _PLUGINS if word.startswith('gazebo_ros_')]
+_PLUGIN_FILE = re.compile(r'(?:lib)?(gazebo_?(?:ros_?)?)?(.*?)(?:\.so)?', re.DOTALL)
+_SIMILAR_NAME = 0.8         # many packages have plugins of their own, whose names are not these
 _BOOLEAN = '?'             # after a name in the table
-_MAX_PLACES = 3             # that are named
 _FILE = 'the file'          # the place of what is in no element with a name
-
-
-class Finding(NamedTuple):
-    """What is not done as asked; state: one of the constants; places: names like model/link."""
-
-    state: str
-    what: str
-    places: Tuple[str, ...]
-
-    def text(self) -> str:
-        """Return it for the user.
-
-        >>> Finding('not known', '<modle>', ('world default',)).text()
-        '<modle> of world default'
-        """
-        return '{} of {}'.format(self.what, self.places_text())
-
-    def places_text(self) -> str:
-        """Return the first places, and how many more there are."""
-        more = len(self.places) - _MAX_PLACES
-        return ', '.join(self.places[:_MAX_PLACES]) + ' and {} more'.format(more) * (more > 0)
 
 
 def audit(root: ElementTree.Element) -> List[Finding]:
     """Return what an <sdf> or a <robot> asks for that is not simulated, and what is not known.
 
-    Equal findings are one, with all of their places, in the order of the file.
+    The findings are in the order of the file.
     """
-    return list(merged(Finding(state, what, (place,)) for state, what, place in _found(
-        root, (root.tag,), _below('', root) or _FILE)))
-
-
-def merged(findings: Iterable[Finding]) -> Tuple[Finding, ...]:
-    """Return findings of which equal ones are one."""
-    places: Dict[Tuple[str, str], Dict[str, None]] = {}
-    for finding in findings:
-        places.setdefault(finding[:2], {}).update(dict.fromkeys(finding.places))
-    return tuple(Finding(*key, tuple(found)) for key, found in places.items())
-
-
-def warnings(name: str, findings: Sequence[Finding]) -> List[str]:
-    """Return a line for each state; name: of the world, model or robot."""
-    return ['{}: {}: {}'.format(name, state, ', '.join(
-        finding.text() for finding in findings if finding.state == state))
-            for state in dict.fromkeys(finding.state for finding in findings)]
+    return [Finding(kind, what, (place,)) for kind, what, place in _found(
+        root, (root.tag,), _below('', root) or _FILE)]
 
 
 _Found = Tuple[str, str, str]
@@ -92,6 +61,11 @@ def _found(element: ElementTree.Element, path: Tuple[str, ...], place: str) -> I
                 word in child.get('filename', '') for word in MODEL_PLUGINS):
             yield from _parameters(child, _below(place, child))
             continue
+        meant = _meant(child.get('filename', '')) if tag == 'plugin' else ''
+        if meant:
+            yield NOT_KNOWN, '{} (did you mean libgazebo_ros_{}.so?)'.format(
+                _label(child), meant), place
+            continue
         if state == NOT_KNOWN or state == NOT_SIMULATED and (
                 default is None or not _changes_nothing(element, child, default)):
             yield state, _label(child) if tag in _TOLD else '<{}>'.format(tag), place
@@ -114,6 +88,18 @@ def _parameters(plugin: ElementTree.Element, place: str) -> Iterator[_Found]:
         for child in plugin:
             if isinstance(child.tag, str) and child.tag not in PLUGIN_NAMES:
                 yield NOT_KNOWN, '<{}>'.format(child.tag), place
+
+
+def _meant(file: str) -> str:
+    """Return the name of the plugin of gazebo_ros that a file name means, '' if it means another.
+
+    >>> _meant('libgazebo_ros_difdrive.so'), _meant('libRayPlugin.so')
+    ('diff_drive', 'laser')
+    """
+    prefix, name = _PLUGIN_FILE.fullmatch(file).groups()       # type: ignore[union-attr]
+    if not prefix or any(word in file for word in _PLUGINS):
+        return WITHOUT_ROS.get(name, '')
+    return most_similar(name, _SHORT_NAMES, _SIMILAR_NAME)
 
 
 @functools.lru_cache(maxsize=None)

@@ -1,12 +1,13 @@
 """The drives that are controllers of ros_control, from their parameters: a row each."""
 import math
 import xml.etree.ElementTree as ElementTree
-from typing import Any, Callable, Dict, List, Mapping, NamedTuple, Optional, Tuple
+from typing import Any, Callable, Dict, List, Mapping, NamedTuple, Optional
 
 from img_recog.errors import SimulationError, shortened
 from img_recog.formats.gazebo_tags import DriveDescription, Tags, Values, is_of
 from img_recog.formats.texts import name_of, text_of
 from img_recog.model import PLANAR
+from img_recog.report import NOT_SIMULATED, Report
 from img_recog.settings import computable, nearest_period
 
 # the parameters of each controller by its name, which begins with its namespace
@@ -70,11 +71,12 @@ class _Parameters:
             self.controller, path, shortened(repr(self.get(path))), expected))
 
 
-def find(robot: ElementTree.Element, find_controllers: FindControllers,
-         step_s: float) -> Optional[DriveDescription]:
+def find(robot: ElementTree.Element, find_controllers: FindControllers, step_s: float,
+         report: Report) -> Optional[DriveDescription]:
     """Return the drive of a URDF's <robot> by the first controller that drives its joints.
 
-    step_s: of the physics. Raises SimulationError naming a parameter that cannot be used.
+    step_s: of the physics. report: gets the controllers that are not simulated.
+    Raises SimulationError naming a parameter that cannot be used.
     """
     joints = {name_of(joint): joint for joint in robot.findall('joint')}
     controllers = of_robot(robot, find_controllers)
@@ -82,8 +84,11 @@ def find(robot: ElementTree.Element, find_controllers: FindControllers,
         kind, parameters = TYPES.get(values['type']), _Parameters(name, values, step_s)
         if kind and set(kind.wheels(parameters)) <= set(joints):    # else of another robot
             found = kind.read(parameters, joints)
-            return found._replace(problems=(*found.problems, *not_simulated(
-                robot, controllers, name)))
+            if any(parameters.flag(path + '/has_jerk_limits', False) for path in _AXES.values()):
+                report.add(NOT_SIMULATED, 'jerk limits of controller ' + name)
+            _add_others(report, robot, controllers, name)
+            return found
+    _add_others(report, robot, controllers)
     return None
 
 
@@ -147,21 +152,19 @@ def among(parameters: Any, namespace: str) -> Controllers:
             if isinstance(value, dict) and '/' in str(value.get('type', ''))}
 
 
-def not_simulated(robot: ElementTree.Element, controllers: Controllers,
-                  drive: str = '') -> Tuple[str, ...]:
-    """Return the controllers that are not simulated; drive: the name of the one that is."""
+def _add_others(report: Report, robot: ElementTree.Element, controllers: Controllers,
+                drive: str = '') -> None:
+    """Add the controllers that are not simulated; drive: the name of the one that is."""
     joints = [name_of(joint) for joint in robot.findall('joint')]
-    found = []
     for name, values in controllers.items():
         if name != drive and values['type'] != _JOINT_STATES:
             kind = None if drive else TYPES.get(values['type'])
             missing = [wheel for wheel in kind.wheels(_Parameters(name, values, 0.0))
                        if wheel not in joints] if kind else []
-            found.append('controller {} ({}{})'.format(
+            report.add(NOT_SIMULATED, 'controller {} ({}{})'.format(
                 shortened(name), shortened(values['type']),
                 ': the robot has no joint {}'.format(shortened(', '.join(missing)))
                 if missing else ''))
-    return tuple(found)
 
 
 def _diff_drive(parameters: _Parameters, joints: _Joints) -> DriveDescription:
@@ -181,12 +184,12 @@ def _diff_drive(parameters: _Parameters, joints: _Joints) -> DriveDescription:
         values['wheel_separation'] = parameters.number('wheel_separation')
     if parameters.get('wheel_radius') is not None:
         values['wheel_diameter'] = 2 * parameters.number('wheel_radius')
-    return DriveDescription(CONTROL, values, _jerk(parameters))
+    return DriveDescription(CONTROL, values)
 
 
 def _mecanum(parameters: _Parameters, _: _Joints) -> DriveDescription:
     """Read those of mecanum_drive_controller; the rollers of its wheels are not simulated."""
-    return DriveDescription(CONTROL, {'drive': PLANAR, **_common(parameters)}, _jerk(parameters))
+    return DriveDescription(CONTROL, {'drive': PLANAR, **_common(parameters)})
 
 
 def _fetch(parameters: _Parameters, joints: _Joints) -> DriveDescription:
@@ -205,7 +208,7 @@ def _fetch(parameters: _Parameters, joints: _Joints) -> DriveDescription:
         'cmd_vel_timeout': parameters.number('timeout', 0.25),
         'command_topic': parameters.controller + '/command',
         'odometry_source': 'encoder', 'base_frame': 'base_link',
-        'publish_odom_tf': parameters.flag('publish_tf', True)}, ())
+        'publish_odom_tf': parameters.flag('publish_tf', True)})
 
 
 class _Kind(NamedTuple):
@@ -246,12 +249,6 @@ def _common(parameters: _Parameters) -> Values:
                     limit = '{}/{}_{}'.format(path, bound, kind)
                     values['{}_{}_{}'.format(bound, name, kind)] = parameters.number(limit, 0.0)
     return values
-
-
-def _jerk(parameters: _Parameters) -> Tuple[str, ...]:
-    has_limit = any(parameters.flag(path + '/has_jerk_limits', False)
-                    for path in _AXES.values())
-    return ('jerk limits of controller ' + parameters.controller,) if has_limit else ()
 
 
 def _effort(joint: ElementTree.Element) -> float:

@@ -12,6 +12,7 @@ from img_recog.formats.gazebo_tags import (CORNERS, FLAG, NAME, NAMES, NUMBER, P
                                            TOPIC, DriveDescription, Row, Tags, choice, is_of,
                                            values_in)
 from img_recog.model import PLANAR, Model
+from img_recog.report import Report
 
 _WORLD, _ENCODER = 'world', 'encoder'
 _TOPICS = (
@@ -99,16 +100,17 @@ ADVICE = (
         ', '.join(drive_controllers.TYPES)))
 
 
-def find(robot: ElementTree.Element, step_s: float,
+def find(robot: ElementTree.Element, step_s: float, report: Report,
          controllers: FindControllers = drive_controllers.none) -> Optional[DriveDescription]:
     """Return what says how the robot of a URDF's <robot> is driven, None if nothing does.
 
-    step_s: of the physics. controllers: returns those of ros_control that it can have. A plugin
+    step_s: of the physics. report: gets what is not simulated of controllers where no plugin
+    drives. controllers: returns those of ros_control that it can have. A plugin
     that drives by itself counts more than a controller; of two, the first counts.
     Raises SimulationError when a tag or a controller has a wrong value.
     """
     return _of_plugins(robot.findall('gazebo/plugin'), step_s) or drive_controllers.find(
-        robot, controllers, step_s)
+        robot, controllers, step_s, report)
 
 
 def of_model(model: Model, step_s: float) -> Optional[DriveDescription]:

@@ -10,7 +10,7 @@ doc/elements.md is made of this table.
 """
 from typing import Dict, NamedTuple
 
-SIMULATED, NO_EFFECT, NOT_SIMULATED = 'simulated', 'of no effect here', 'not simulated'
+SIMULATED, NO_EFFECT = 'simulated', 'of no effect here'
 
 
 class Fates(NamedTuple):
@@ -221,6 +221,11 @@ PLUGIN_NAMES = frozenset("""
 MODEL_PLUGINS = ('gazebo_ros_diff_drive', 'gazebo_ros_skid_steer_drive', 'gazebo_ros_planar_move',
                  'force_based_move', 'gazebo_ros_kobuki', 'gazebo_ros_joint_state_publisher',
                  'gazebo_ros_imu')
+# plugins of Gazebo itself, which publish no topics of ROS, and those of gazebo_ros that do
+WITHOUT_ROS = {'RayPlugin': 'laser', 'GpuRayPlugin': 'gpu_laser', 'CameraPlugin': 'camera',
+               'DepthCameraPlugin': 'depth_camera', 'ImuSensorPlugin': 'imu_sensor',
+               'ContactPlugin': 'bumper', 'DiffDrivePlugin': 'diff_drive',
+               'SkidSteerDrivePlugin': 'skid_steer_drive', 'SonarPlugin': 'range'}
 # attributes; degrees and rotation_format of a <pose> are read since 1.9, and are gone then
 _OF_SDF = frozenset(('name', 'type', 'filename', 'version', 'world_name', 'frame', 'relative_to',
                      'attached_to', 'expressed_in', 'placement_frame', 'canonical_link',

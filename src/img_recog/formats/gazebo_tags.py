@@ -8,7 +8,7 @@ simulation/sensors/in_files.py looks for them.
 """
 import math
 import xml.etree.ElementTree as ElementTree
-from typing import Any, Callable, Dict, Iterable, Mapping, NamedTuple, Optional, Sequence, Tuple
+from typing import Any, Callable, Dict, Iterable, Mapping, NamedTuple, Optional, Sequence
 
 from img_recog.errors import SimulationError
 from img_recog.formats.numbers import whole
@@ -73,12 +73,11 @@ class Tags(NamedTuple):
 class DriveDescription(NamedTuple):
     """What a file says of how a robot is driven.
 
-    tags: of the plugin; values: settings by name; problems: what of a controller is not simulated.
+    tags: of the plugin; values: settings by name.
     """
 
     tags: Tags
     values: Values = {}
-    problems: Tuple[str, ...] = ()
 
     def with_settings(self, given: Values) -> 'DriveDescription':
         """Return the drive with settings by name; its own hold where those have none."""

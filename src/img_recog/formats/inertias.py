@@ -1,9 +1,8 @@
 """Which mass a link can have, and the nearest inertia that a body can have."""
-from typing import NamedTuple
-
 import numpy as np
 
 from img_recog.errors import SimulationError
+from img_recog.report import Report
 
 INERTIA_KEYS = ('ixx', 'ixy', 'ixz', 'ixy', 'iyy', 'iyz', 'ixz', 'iyz', 'izz')   # row by row
 # kg: in PyBullet, a body of 1e300 kg falls through the floor
@@ -13,14 +12,6 @@ _MAX_MOMENT, _NO_MOMENT = 1e15, 1e-20       # kg m2
 _MARGIN = 1e-5
 _SAID_FROM = 1e-3                           # of the largest moment: what is told to the user
 _RADIUS_OF_GYRATION_M = 0.01                # of a body whose file gives it no moment at all
-
-
-class Possible(NamedTuple):
-    """An inertia (3, 3) in kg m2 that a body can have; warning: how far it is from the given one,
-    '' for what makes no difference."""
-
-    matrix: np.ndarray
-    warning: str = ''
 
 
 def check_mass(name: str, mass: float, otherwise: str = '') -> None:
@@ -36,12 +27,12 @@ def check_mass(name: str, mass: float, otherwise: str = '') -> None:
             name, mass, limit, otherwise))
 
 
-def possible(name: str, mass: float, matrix: np.ndarray) -> Possible:
+def possible(name: str, mass: float, matrix: np.ndarray, report: Report) -> np.ndarray:
     """Return the inertia nearest to `matrix` (3, 3) that a body of `mass` kg can have.
 
     The principal moments of a body are positive, and none exceeds the sum of the others; PyBullet
     replaces all of them by 0 otherwise, and then the body does not turn at all. name: of the
-    body, for the warning.
+    body; report: gets a finding if the inertia that is returned makes a difference.
     Raises SimulationError when a moment is too large to be simulated.
     """
     moments, axes = np.linalg.eigh(matrix)
@@ -50,17 +41,16 @@ def possible(name: str, mass: float, matrix: np.ndarray) -> Possible:
                               .format(name, moments[2], _MAX_MOMENT))
     margin = _MARGIN * moments[2]
     if moments[2] > _NO_MOMENT and moments[0] + moments[1] - moments[2] >= margin:
-        return Possible(matrix)
+        return matrix
     nearest = _nearest(moments) + margin
     if nearest[2] < _NO_MOMENT:
         nearest = np.full(3, mass * _RADIUS_OF_GYRATION_M ** 2)
-    warning = ''
     if np.abs(nearest - moments).max() > _SAID_FROM * nearest[2]:
-        warning = ('{}: got the principal moments of inertia {} kg m2; those of a body are more '
-                   'than 0, and none exceeds the sum of the others; simulated with {}'.format(
-                       name, *(', '.join(map('{:.3g}'.format, each))
-                               for each in (moments, nearest))))
-    return Possible(axes @ np.diag(nearest) @ axes.T, warning)
+        report.assume('inertia of {}: the nearest possible one'.format(name), (
+            '{}: got the principal moments of inertia {} kg m2; those of a body are more than 0, '
+            'and none exceeds the sum of the others; simulated with {}'.format(
+                name, *(', '.join(map('{:.3g}'.format, each)) for each in (moments, nearest)))))
+    return axes @ np.diag(nearest) @ axes.T
 
 
 def _nearest(moments: np.ndarray) -> np.ndarray:

@@ -15,6 +15,7 @@ from img_recog.formats import inertias
 from img_recog.model import (CONTINUOUS, FIXED, NO_INERTIA, PART, PRISMATIC, REVOLUTE,
                              AttachedFrame, Contact, Friction, Inertia, Joint, Light, Link, Look,
                              Model, Solid)
+from img_recog.report import NOT_SIMULATED, Report
 from img_recog.rotations import IDENTITY
 
 _KINDS = (CONTINUOUS, FIXED, PRISMATIC, REVOLUTE)
@@ -29,26 +30,21 @@ class _Tree(NamedTuple):
     root: str
 
 
-def lumped(model: Model) -> Model:
+def lumped(model: Model, report: Report) -> Model:
     """Return a robot: the links of a model that move, with what is fixed to them.
 
+    report: gets what is left out, and inertias that are changed.
     Raises SimulationError when the links are not a tree, a joint has a type that is not simulated,
     or a mass cannot be simulated.
     """
     tree = _tree(model)
     frames = {name: _frame(name, tree) for name in tree.links}
     sums = _inertias(tree, frames)
-    left_out, warnings = _leave_out(tree, frames, sums)
-    warnings += model.warnings
+    _leave_out(tree, frames, sums, report)
     lump = _Lump(model, tree.links, frames)
-    changed: List[str] = []
     for name, total in sums.items():
-        possible = inertias.possible('link {} and what is fixed to it'.format(name), total.mass,
-                                     total.matrix)
-        sums[name] = total._replace(matrix=possible.matrix)
-        if possible.warning:
-            warnings.append(possible.warning)
-            changed.append(name)
+        sums[name] = total._replace(matrix=inertias.possible(
+            'link {} and what is fixed to it'.format(name), total.mass, total.matrix, report))
     moving = tuple(joint._replace(parent=frames[joint.parent].link,
                                   pose=frames[joint.parent].pose @ joint.pose)
                    for joint in model.joints if joint.child in sums)
@@ -56,8 +52,7 @@ def lumped(model: Model) -> Model:
         model, links=(*(lump.link(link, sums[link.name]) for link in model.links
                         if link.name in sums), *lump.added_links()),
         joints=moving + lump.added_joints(), frames=frames,
-        surfaces={name: tuple(found) for name, found in lump.watched.items()},
-        warnings=tuple(warnings), left_out=tuple(left_out), changed_inertias=tuple(changed))
+        surfaces={name: tuple(found) for name, found in lump.watched.items()})
 
 
 def divided(model: Model) -> Model:
@@ -127,32 +122,29 @@ def _inertias(tree: _Tree, frames: Dict[str, AttachedFrame]) -> Dict[str, Inerti
 
 
 def _leave_out(tree: _Tree, frames: Dict[str, AttachedFrame],
-               sums: Dict[str, Inertia]) -> Tuple[List[str], List[str]]:
+               sums: Dict[str, Inertia], report: Report) -> None:
     """Remove the lumped links without mass, and what is joined to them, as Gazebo's SDFormat does.
 
-    Returns the names of the joints, and warnings. Raises SimulationError when that is the whole
-    robot.
+    Raises SimulationError when that is the whole robot.
     """
     if sums[tree.root].mass == 0:
         raise SimulationError('link {} can move but has no mass'.format(tree.root),
                               'add an <inertial> to it or to a link fixed to it')
     gone: Set[str] = set()
-    warnings = []
     for name in sums:     # from the root on
         above = frames[tree.parents[name].parent].link if name in tree.parents else ''
         if sums[name].mass and above not in gone:
             continue
         gone.add(name)
         if above not in gone:
-            warnings.append(
-                'link {} can move (joint {}) but has no mass: it is left out with all that is '
-                'joined to it, like in Gazebo'.format(name, tree.parents[name].name))
+            report.add(NOT_SIMULATED, 'link {} with joint {} and all that is joined to it'.format(
+                name, tree.parents[name].name), advice='it can move but has no mass, so it is '
+                'left out as in Gazebo; give it an <inertial>')
     names = [name for name, frame in frames.items() if frame.link in gone]
     for name in names:
         del frames[name]
     for name in gone:
         del sums[name]
-    return [tree.parents[name].name for name in names], warnings
 
 
 class _Lump:

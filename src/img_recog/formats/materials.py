@@ -1,6 +1,6 @@
 """The materials of SDF visuals: colors, Gazebo's named materials, and Ogre's scripts."""
 import xml.etree.ElementTree as ElementTree
-from typing import Optional, Sequence, Tuple
+from typing import Optional, Sequence
 
 import numpy as np
 
@@ -9,20 +9,22 @@ from img_recog.formats import gazebo_materials, material_scripts
 from img_recog.formats.numbers import read_number, read_numbers
 from img_recog.formats.texts import name_of, text_of
 from img_recog.model import Color, Material, Rgb
+from img_recog.report import NOT_FOUND, Report
 
 _DEFAULT = '__default__'                # SDF's own word for no script
 _SCRIPTS = 'file://media/materials/scripts'     # where Gazebo looks for what names no file
 _DARK: Rgb = (0.0, 0.0, 0.0)
 
 
-def of_sdf(visual: ElementTree.Element, find: FindFile) -> Tuple[Optional[Material], str]:
-    """Return the material of an SDF <visual>, and what of it was not found, or ''.
+def of_sdf(visual: ElementTree.Element, find: FindFile, report: Report) -> Optional[Material]:
+    """Return the material of an SDF <visual>.
 
     None if it has neither a color nor a script that is found: then that of a mesh file counts,
     like in Gazebo. Each color replaces that of a script.
-    find: returns the path of the file or folder at a URI.
+    find: returns the path of the file or folder at a URI; report: gets a finding for a script that
+    is not found.
     """
-    material, missing = _scripted(visual, find)
+    material = _scripted(visual, find, report)
     colors = {tag: color_of(visual, 'material/' + tag)
               for tag in ('ambient', 'diffuse', 'specular', 'emissive')}
     if any(color is not None for color in colors.values()):
@@ -31,7 +33,7 @@ def of_sdf(visual: ElementTree.Element, find: FindFile) -> Tuple[Optional[Materi
         material = material or Material()
         material = material._replace(color=(*_DARK, material.color[3]), ambient=_DARK,
                                      specular=_DARK, emissive=(1.0, 1.0, 1.0))
-    return material and material.faded(opacity(visual)), missing
+    return material and material.faded(opacity(visual))
 
 
 def _colored(material: Material, ambient: Optional[Color], diffuse: Optional[Color],
@@ -67,26 +69,33 @@ def color_of(element: ElementTree.Element, path: str) -> Optional[Color]:
     return red, green, blue, alpha
 
 
-def of_script(name: str, uris: Sequence[str], find: FindFile) -> Tuple[Optional[Material], str]:
-    """Return the material that a <script> names, and what was not found or ''.
+def of_script(name: str, uris: Sequence[str], find: FindFile,
+              report: Report) -> Optional[Material]:
+    """Return the material that a <script> names, None if it is not found.
 
-    uris: of the folders and files of scripts; none where Gazebo's own are meant.
+    uris: of the folders and files of scripts; none where Gazebo's own are meant. report: gets a
+    finding if it is not found.
     """
     if name in ('', _DEFAULT):
-        return None, ''
+        return None
     material = gazebo_materials.named(name)     # of a file that is a part of Gazebo
     if material is not None:
-        return material, ''
+        return material
     paths = [path for path in map(find, uris or [_SCRIPTS]) if path is not None]
-    return material_scripts.find(name, paths) or (None, 'material ' + name)
+    found, missing = material_scripts.find(name, paths) or (None, 'material ' + name)
+    if missing:
+        report.add(NOT_FOUND, missing)
+    return found
 
 
-def _scripted(visual: ElementTree.Element, find: FindFile) -> Tuple[Optional[Material], str]:
+def _scripted(visual: ElementTree.Element, find: FindFile,
+              report: Report) -> Optional[Material]:
     script = visual.find('material/script')
     if script is None:
-        return None, ''
+        return None
     name, text = text_of(script, 'name'), (script.text or '').strip()
     if text and not name:       # Gazebo 11 does not look at it
-        return None, 'material {} (its <script> has no <name>)'.format(text)
-    return of_script(name,
-                     [uri.text.strip() for uri in script.findall('uri') if uri.text], find)
+        report.add(NOT_FOUND, 'material {} (its <script> has no <name>)'.format(text))
+        return None
+    return of_script(name, [uri.text.strip() for uri in script.findall('uri') if uri.text], find,
+                     report)

@@ -12,10 +12,9 @@ from img_recog.errors import SimulationError
 from img_recog.files import FindFile
 from img_recog.formats import (lights, sdf_frames, sdf_models, sdf_populations, sdf_roads,
                                sdf_states)
-from img_recog.formats.audit import NOT_USED, Finding
+from img_recog.formats import audit
 from img_recog.formats.markup import parse_xml
 from img_recog.formats.numbers import read_numbers
-from img_recog.formats.problems import NOT_DOWNLOADED, Problems
 from img_recog.formats.sdf_files import find_above, find_relative, model_file, parsed
 from img_recog.formats.sdf_frames import Scope
 from img_recog.formats.sdf_joints import INCLUDED
@@ -23,6 +22,7 @@ from img_recog.formats.sdf_states import Starts
 from img_recog.formats.sdf_versions import Version, version_of
 from img_recog.formats.texts import is_true, name_of, text_of
 from img_recog.model import SUN, Light, Surroundings, Tree
+from img_recog.report import NOT_DOWNLOADED, NOT_USED, Finding, Report
 from img_recog.rotations import Transform
 
 GRAVITY: Tuple[float, ...] = (0.0, 0.0, -9.8)       # m/s2, Gazebo's default
@@ -53,52 +53,48 @@ class WorldFile(NamedTuple):
     """A world.
 
     name: of its model or file; trees: what stands in it, besides that floor; gravity (3,): m/s2;
-    warnings: a line for each thing that was left out; has_floor: whether there is Gazebo's
+    has_floor: whether there is Gazebo's
     ground_plane, at z 0; camera: the pose of Gazebo's user camera in the world, if the file
-    gives it; left_out: what cannot be used; missing_looks: materials and textures that are not
-    found; findings: what is not done as asked; lights: those of no link.
+    gives it; findings: what is not done as the file asks; lights: those of no link.
     """
 
     name: str
     trees: Tuple[Tree, ...] = ()
     gravity: Tuple[float, ...] = GRAVITY
-    warnings: Tuple[str, ...] = ()
     has_floor: bool = True
     camera: Optional[Transform] = None
-    left_out: Tuple[str, ...] = ()
-    missing_looks: Tuple[str, ...] = ()
     findings: Tuple[Finding, ...] = ()
     lights: Tuple[Light, ...] = (SUN,)
     surroundings: Surroundings = Surroundings()
 
 
-def read(root: ElementTree.Element, path: str, find: FindFile, problems: Problems) -> WorldFile:
+def read(root: ElementTree.Element, path: str, find: FindFile, report: Report) -> WorldFile:
     """Read an <sdf> element.
 
     The result has no name yet. path: of its file; find: returns the path of the file or folder at
-    a URI. Models are also searched for in the folders above the file. problems: to which is added
+    a URI. Models are also searched for in the folders above the file. report: to which is added
     what cannot be used.
     """
     world = root.find('world')
-    reader = _Reader(find, problems, has_floor=world is None)
+    reader = _Reader(find, report, has_floor=world is None)
     reader.read(root if world is None else world, version_of(root), path, (os.path.abspath(path),))
     gravity, camera, surroundings = GRAVITY, None, Surroundings()
     if world is not None:
-        with problems.left_out():
+        with report.left_out():
             text = world.findtext('gravity')
             in_physics = world.findtext('physics/gravity')
             if text is None and in_physics is not None and version_of(root) >= (1, 6):
-                problems.add_finding(NOT_USED, '<gravity> in <physics>, since SDF 1.6',
+                report.add(NOT_USED, '<gravity> in <physics>, since SDF 1.6',
                                      'the world')        # as in Gazebo
             elif text is None:
                 text = in_physics
             if text is not None:
                 gravity = tuple(read_numbers('<gravity>', text, 3).tolist())
-        with problems.left_out():
+        with report.left_out():
             element = world.find('gui/camera')
             if element is not None and element.find('pose') is not None:
                 camera = sdf_frames.pose_of(element)
-        with problems.left_out():
+        with report.left_out():
             scene = world.find('scene')
             surroundings = surroundings if scene is None else lights.surroundings(scene)
     # a model alone stands in Gazebo's empty world
@@ -110,8 +106,8 @@ def read(root: ElementTree.Element, path: str, find: FindFile, problems: Problem
 class _Reader:
     """Collects the trees of a world and of the files that it includes."""
 
-    def __init__(self, find: FindFile, problems: Problems, has_floor: bool):
-        self._find, self._problems = find, problems
+    def __init__(self, find: FindFile, report: Report, has_floor: bool):
+        self._find, self._report = find, report
         self.trees: List[Tree] = []
         self.lights: Dict[str, Light] = {}      # by name
         self._names: Set[str] = set()
@@ -125,7 +121,7 @@ class _Reader:
         # with their versions and files, in their order; relative to what else is in the world
         found: List[_Found] = []
         for element in list(parent):
-            with self._problems.left_out():
+            with self._report.left_out():
                 if element.tag == 'include':
                     found += self._included(element, path, stack)
                 elif element.tag == 'light':
@@ -134,28 +130,28 @@ class _Reader:
                     for model in (sdf_populations.models(element) if element.tag == 'population'
                                   else [copy.deepcopy(element)]):
                         if not any(each.tag in ('link', 'include') for each in model.iter()):
-                            self._problems.add_finding(
+                            self._report.add(
                                 NOT_USED, 'model {}, which has no link,'.format(name_of(model)),
                                 path)
                         self._expand(model, path, stack)
                         found.append((model, version, path))
                 elif element.tag == 'road':
-                    self.trees.append(sdf_roads.tree(element, self._finder(path), self._problems))
+                    self.trees.append(sdf_roads.tree(element, self._finder(path), self._report))
                 elif element.tag == 'actor':
                     raise SimulationError('actor {}'.format(name_of(element)).strip())
         frames = ElementTree.Element('world', name='the world')
         frames.extend([*parent.findall('frame'), *(model for model, _, _ in found)])
-        scope = Scope(frames, self._problems)
+        scope = Scope(frames, self._report)
         poses = []
         for model in filter(_is_relative, (model for model, _, _ in found)):
-            with self._problems.left_out():
+            with self._report.left_out():
                 poses.append((model, scope.pose(model)))
         for model, pose in poses:
             sdf_frames.set_pose(model, pose)
         for each in found:
             self._add(*each, parent.find('state'))
         for light in parent.findall('state/light'):
-            with self._problems.left_out():
+            with self._report.left_out():
                 if name_of(light) in self.lights:
                     self.lights[name_of(light)] = self.lights[name_of(light)]._replace(
                         pose=sdf_frames.pose_of(light))
@@ -165,16 +161,16 @@ class _Reader:
         name = name_of(model)
         starts: Starts = {}
         if name in self._names:         # Gazebo does not insert it either
-            self._problems.add_finding(NOT_USED, 'second model ' + name, path)
+            self._report.add(NOT_USED, 'second model ' + name, path)
             return
         self._names.add(name)
-        with self._problems.left_out():
+        with self._report.left_out():
             starts = sdf_states.apply(model, state)
         if not self.has_floor and path == name == _GROUND_PLANE and _is_in_place(model):
             self.has_floor = True
             return
-        with self._problems.left_out():
-            self.trees += sdf_models.trees(model, version, self._finder(path), self._problems,
+        with self._report.left_out():
+            self.trees += sdf_models.trees(model, version, self._finder(path), self._report,
                                            starts)
 
     def _add_light(self, element: ElementTree.Element) -> None:
@@ -207,7 +203,7 @@ class _Reader:
         root = parsed(file)
         if file not in self._audited:
             self._audited.add(file)
-            self._problems.audit(root)
+            self._report.extend(audit.audit(root))
         model = root.find('model')
         if model is None:
             light = root.find('light')
@@ -236,14 +232,14 @@ class _Reader:
         inside = model.findall('model')         # those that are included are expanded already
         for include in model.findall('include'):
             model.remove(include)
-            with self._problems.left_out():
+            with self._report.left_out():
                 for included, _, _ in self._included(include, path, stack):
                     included.set(INCLUDED, '1')
                     if is_true(included.findtext('static')):        # as in Gazebo
                         _replace(model, 'static', included)
                     model.append(included)
         for nested in inside:
-            with self._problems.left_out():
+            with self._report.left_out():
                 self._expand(nested, path, stack)
         self._depth -= 1
         finder = self._finder(path)

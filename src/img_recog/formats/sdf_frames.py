@@ -4,10 +4,9 @@ from typing import Dict, Optional, Sequence
 
 from img_recog import rotations
 from img_recog.errors import SimulationError
-from img_recog.formats.audit import NOT_KNOWN
 from img_recog.formats.numbers import read_lengths, words
-from img_recog.formats.problems import Problems
 from img_recog.formats.texts import name_of, text_of
+from img_recog.report import NOT_KNOWN, Report
 from img_recog.rotations import IDENTITY, Transform, transform
 
 WORLD = 'world'
@@ -36,11 +35,11 @@ class Scope:
     pose counts without it, as in Gazebo, and that is a finding.
     """
 
-    def __init__(self, owner: ElementTree.Element, problems: Problems,
+    def __init__(self, owner: ElementTree.Element, report: Report,
                  outer: Optional['Scope'] = None):
         """owner: a world, a model or a link; outer: the scope around a link, its model."""
         self._owner, self._name, self._outer = owner, name_of(owner), outer
-        self._problems = problems
+        self._report = report
         # until SDF 1.6 they may bear the same names, and poses were relative to links
         self._elements: Dict[str, ElementTree.Element] = {}
         for tag in ('link', 'model', 'frame', 'joint'):
@@ -67,7 +66,7 @@ class Scope:
         """Return the pose in the owner of the frame that an element names; None if unknown."""
         found = self._frame(name, visited)
         if found is None:
-            self._problems.add_finding(
+            self._report.add(
                 NOT_KNOWN, 'the frame {}'.format(name), '{} {} {}'.format(
                     self._name, element.tag, name_of(element)).strip())
         return found
@@ -77,7 +76,7 @@ class Scope:
         element = self._elements.get(outer) if outer else None      # '' is the owner
         if element is not None:
             pose = self.pose(element, visited)
-            within = Scope(element, self._problems)._frame(inner, ()) if inner else IDENTITY
+            within = Scope(element, self._report)._frame(inner, ()) if inner else IDENTITY
             return None if within is None else pose @ within
         if name and self._outer is not None:
             found = self._outer._frame(name, ())

@@ -3,10 +3,9 @@ from typing import Iterable, List, Mapping, Optional, Sequence
 
 import numpy as np
 
-from img_recog.formats.elements import NOT_SIMULATED
-from img_recog.formats.problems import Problems
 from img_recog.formats.sdf_joints import SdfJoint
 from img_recog.model import PRISMATIC, Gear, Joint
+from img_recog.report import NOT_SIMULATED, Report
 
 _PARALLEL = 0.999       # the cosine of an angle
 
@@ -20,11 +19,11 @@ def of_screw(joint: SdfJoint, parts: Sequence[Joint]) -> Gear:
 
 
 def of_boxes(boxes: Iterable[SdfJoint], joints: Mapping[str, SdfJoint], root: Optional[str],
-             model: str, problems: Problems) -> List[Gear]:
+             model: str, report: Report) -> List[Gear]:
     """Return the gears of the gearboxes of a tree.
 
     joints: those of the tree with one axis that turns, by name, as the tree has them; root: of
-    the tree, if that is fixed: it bears a gearbox without a link that does. problems: to which
+    the tree, if that is fixed: it bears a gearbox without a link that does. report: to which
     the others are added.
     """
     gears = []
@@ -34,9 +33,8 @@ def of_boxes(boxes: Iterable[SdfJoint], joints: Mapping[str, SdfJoint], root: Op
                          for link, turn in zip((box.child, box.parent), (
                              box.pose.rotation @ axis.direction for axis in box.axes)))
         if child is None or parent is None:
-            problems.add_finding(NOT_SIMULATED, 'joint {} of type {}, of which the links do not '
-                                 'turn about its axes'.format(box.name, box.kind),
-                                 'model ' + model)
+            report.add(NOT_SIMULATED, 'joint {} of type {}, of which the links do not turn about '
+                       'its axes'.format(box.name, box.kind), 'model ' + model)
         else:
             gears.append(Gear(child[0], parent[0], box.ratio * child[1] * parent[1]))
     return gears

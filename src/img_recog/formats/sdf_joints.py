@@ -6,13 +6,12 @@ from typing import Callable, Dict, List, Mapping, NamedTuple, Optional, Sequence
 import numpy as np
 
 from img_recog.errors import SimulationError
-from img_recog.formats.audit import NOT_USED
 from img_recog.formats.numbers import read_axis, read_limit, read_number
-from img_recog.formats.problems import Problems
 from img_recog.formats.sdf_frames import WORLD, Scope
 from img_recog.formats.sdf_versions import Version
 from img_recog.formats.texts import is_true, name_of, text_of
 from img_recog.model import CONTINUOUS, FIXED, PRISMATIC, REVOLUTE
+from img_recog.report import LEFT_OUT, NOT_USED, Report
 from img_recog.rotations import IDENTITY, Transform
 
 BALL, GEARBOX, SCREW, REVOLUTE2 = 'ball', 'gearbox', 'screw', 'revolute2'
@@ -83,9 +82,9 @@ class Joints:
     the first is used. Of joints they are made to differ here.
     """
 
-    def __init__(self, model: ElementTree.Element, version: Version, problems: Problems):
-        """Read a model; problems: to which is added what cannot be used of it."""
-        self._version, self._problems = version, problems
+    def __init__(self, model: ElementTree.Element, version: Version, report: Report):
+        """Read a model; report: to which is added what cannot be used of it."""
+        self._version, self._report = version, report
         self.links: Dict[str, SdfLink] = {}
         self.joints: List[SdfJoint] = []
         self.gearboxes: List[SdfJoint] = []
@@ -94,29 +93,29 @@ class Joints:
     def _collect(self, model: ElementTree.Element, prefix: str, pose: Transform,
                  is_static: bool) -> None:
         """Add a model; pose: of its frame in the outermost one."""
-        scope = Scope(model, self._problems)
+        scope = Scope(model, self._report)
         # Gazebo makes what is included a part of the model, but not a model that is given in it
         is_static = is_true(model.findtext('static')) or (
             is_static and is_true(model.get(INCLUDED)))
         for link in model.findall('link'):
             name = prefix + (link.get('name') or 'link')
             if name in self.links:
-                self._problems.add_finding(NOT_USED, 'second link ' + name, name_of(model))
+                self._report.add(NOT_USED, 'second link ' + name, name_of(model))
                 continue
-            with self._problems.left_out():
+            with self._report.left_out():
                 self.links[name] = SdfLink(
                     name, link, pose @ scope.pose(link),
                     is_static or is_true(link.findtext('kinematic')),
                     name if collides_with_all(link, model) else prefix,
-                    Scope(link, self._problems, scope),
+                    Scope(link, self._report, scope),
                     link.find('sensor') is None and model.find('joint') is None
                     and is_true(model.findtext('allow_auto_disable', '1')))
         for nested in model.findall('model'):
-            with self._problems.left_out():
+            with self._report.left_out():
                 self._collect(nested, '{}{}::'.format(prefix, name_of(nested)),
                               pose @ scope.pose(nested), is_static)
         for joint in model.findall('joint'):
-            with self._problems.left_out():
+            with self._report.left_out():
                 self._add_joint(joint, prefix, pose, model, scope)
 
     def _add_joint(self, element: ElementTree.Element, prefix: str, pose: Transform,
@@ -128,7 +127,7 @@ class Joints:
         if all(end == WORLD or self.links[end].is_static for end in (parent, child)):
             kind = FIXED        # what is static does not move
         elif kind not in _AXES:
-            self._problems.add('joint {} of type {}, which is held'.format(name, kind))
+            self._report.add(LEFT_OUT, 'joint {} of type {}, which is held'.format(name, kind))
             kind = FIXED
         joint_pose = pose @ scope.pose(element)
         axes = tuple(Axis(self._direction(element, tag, pose, joint_pose, scope),
@@ -155,7 +154,7 @@ class Joints:
         if kind == GEARBOX:
             self.gearboxes.append(joint)
         elif parent == child:
-            self._problems.add_finding(
+            self._report.add(
                 NOT_USED, 'joint {}, which joins a link to itself,'.format(name), name_of(model))
         else:
             self.joints.append(joint.reversed() if child == WORLD else joint)

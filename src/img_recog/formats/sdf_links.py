@@ -15,15 +15,17 @@ from img_recog.formats.sdf_frames import pose_of
 from img_recog.formats.texts import is_true, name_of, text_of
 from img_recog.model import (ALL_BITS, BOX, CYLINDER, HEIGHTMAP, MESH, PLANE, SPHERE, WHITE,
                              Inertia, Look, Shape, Solid, Submesh)
+from img_recog.report import Report
 from img_recog.rotations import IDENTITY, Transform
 
 _Geometry = Tuple[Shape, Transform]
 
 
-def inertia(link: ElementTree.Element, offset: Transform) -> Tuple[Inertia, str]:
-    """Return the inertia of a link, and a warning, '' if it can be simulated as it is.
+def inertia(link: ElementTree.Element, offset: Transform, report: Report) -> Inertia:
+    """Return the inertia of a link.
 
-    offset: of the link in the frame in which the inertia is returned.
+    offset: of the link in the frame in which the inertia is returned. report: gets a finding if it
+    cannot be simulated as it is.
     """
     name = name_of(link)
     given = link.find('inertial')
@@ -35,8 +37,8 @@ def inertia(link: ElementTree.Element, offset: Transform) -> Tuple[Inertia, str]
         '<{}> of link {}'.format(key, name),
         given.findtext('inertia/' + key, '1' if key[1] == key[2] else '0'))
         for key in inertias.INERTIA_KEYS]).reshape(3, 3)
-    possible = inertias.possible('link ' + name, mass, matrix)
-    return Inertia(mass, offset @ pose_of(given), possible.matrix), possible.warning
+    return Inertia(mass, offset @ pose_of(given),
+                   inertias.possible('link ' + name, mass, matrix, report))
 
 
 def decay(link: ElementTree.Element) -> Tuple[float, float]:
@@ -73,19 +75,21 @@ def bitmask(collision: ElementTree.Element) -> int:
             name_of(collision), text))
 
 
-def look(visual: ElementTree.Element, pose: Transform, find: FindFile) -> Tuple[Look, str]:
-    """Return a <visual>, and what its material lacks or ''; arguments and errors as for `solid`.
+def look(visual: ElementTree.Element, pose: Transform, find: FindFile, report: Report) -> Look:
+    """Return a <visual>; arguments and errors as for `solid`.
+
+    report: gets a finding if its material is not found.
     """
     shape, offset = _geometry(visual, find)
-    material, missing = materials.of_sdf(visual, find)
+    material = materials.of_sdf(visual, find, report)
     opacity = materials.opacity(visual)
     if shape.kind == HEIGHTMAP:
         if material is None:
             material = heightmaps.material(visual.findall('geometry/*')[0], find)
         shape = Shape(MESH, (1.0, 1.0, 1.0), heightmaps.write_mesh(shape))
     if material is None and shape.kind == MESH:         # the file has materials
-        return Look(shape, pose @ offset, opacity=opacity), missing
-    return Look(shape, pose @ offset, material or WHITE.faded(opacity)), missing
+        return Look(shape, pose @ offset, opacity=opacity)
+    return Look(shape, pose @ offset, material or WHITE.faded(opacity))
 
 
 def _geometry(shape: ElementTree.Element, find: FindFile) -> _Geometry:

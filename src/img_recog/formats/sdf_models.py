@@ -7,8 +7,6 @@ import numpy as np
 
 from img_recog.files import FindFile
 from img_recog.formats import frictions, lights, lumping, sdf_gears, sdf_links, sdf_states
-from img_recog.formats.elements import NOT_SIMULATED
-from img_recog.formats.problems import Problems
 from img_recog.formats.sdf_frames import WORLD, pose_of
 from img_recog.formats.sdf_joints import NO_LIMIT, SCREW, Axis, Joints, SdfJoint, SdfLink
 from img_recog.formats.sdf_states import Starts
@@ -17,26 +15,27 @@ from img_recog.formats.texts import is_true, name_of
 from img_recog.model import (CONTINUOUS, FIXED, HEIGHTMAP, NO_INERTIA, PLANE, PRISMATIC, REVOLUTE,
                              AttachedFrame, Gear, Inertia, Joint, Light, Limits, Link, Look, Model,
                              Solid, Tag, Tree)
+from img_recog.report import NOT_SIMULATED, Report
 from img_recog.rotations import IDENTITY, Transform
 
 BETWEEN_AXES = '::axis_'        # in the name of a link and a joint that stand for one of several
 
 
 def trees(model: ElementTree.Element, version: Version, find: FindFile,
-          problems: Problems, starts: Starts = {}) -> List[Tree]:
+          report: Report, starts: Starts = {}) -> List[Tree]:
     """Return the trees of a model, none for one without a link.
 
-    version: of the SDF format. find: returns the path of the file or folder at a URI. problems: to
+    version: of the SDF format. find: returns the path of the file or folder at a URI. report: to
     which is added what cannot be used, a number, a joint or a shape; the rest is in the trees.
     starts: where links are at the start. Raises SimulationError when the pose of the model cannot
     be used.
     """
     name, pose = name_of(model), pose_of(model)
-    parts = Joints(model, version, problems)
+    parts = Joints(model, version, report)
     found: List[Tree] = []
     joints_of = _joints_of_links(parts)
     for root in _roots(parts):
-        for tree in _Builder(parts, joints_of, root, find, problems).trees(name, pose):
+        for tree in _Builder(parts, joints_of, root, find, report).trees(name, pose):
             found.append(tree._replace(first=False) if found else _with_plugins(
                 tree._replace(name=name), model))
     return [sdf_states.started(tree, starts, pose) for tree in found]
@@ -83,15 +82,14 @@ class _Builder:
     """Builds the tree of the links that hang on a root, whichever way their joints point."""
 
     def __init__(self, parts: Joints, joints_of: Dict[str, List[SdfJoint]], root: SdfLink,
-                 find: FindFile, problems: Problems):
+                 find: FindFile, report: Report):
         self._given, self._of_links, self._root = parts.links, joints_of, root
         self._boxes = parts.gearboxes
-        self._find, self._problems = find, problems
+        self._find, self._report = find, report
         self._links: List[Link] = []
         self._joints: List[Joint] = []
         self._turning: Dict[str, SdfJoint] = {}     # those with one axis
         self._gears: List[Gear] = []
-        self._warnings: List[str] = []
         self._grounds: List[Tuple[Tree, Optional[np.ndarray]]] = []     # with normals of planes
 
     def trees(self, name: str, model_pose: Transform) -> List[Tree]:
@@ -124,13 +122,12 @@ class _Builder:
                 self._add_joint(away, _relative(frames[link], joint.pose))
         gears = sdf_gears.of_boxes((box for box in self._boxes if box.child in frames),
                                    self._turning, root.name if is_fixed else None, name,
-                                   self._problems)
+                                   self._report)
         tags = tuple(Tag(link, self._given[link].element) for link in names
                      if self._given[link].element.find('sensor') is not None)
         model = Model(name, tuple(self._links), tuple(self._joints),
                       {link: AttachedFrame(link, _relative(frames[link], self._given[link].pose))
                        for link in names}, {tag.link: (tag.link,) for tag in tags}, tags,
-                      warnings=tuple(self._warnings),
                       held=tuple(joint.name for joint in used if joint.kind == FIXED),
                       gears=(*self._gears, *gears), can_sleep=root.can_sleep and not used)
         tree = Tree('{}::{}'.format(name, root.name), lumping.divided(model), model_pose @ base,
@@ -141,8 +138,8 @@ class _Builder:
         """Say that a joint has no place in the tree, unless it joins what does not move."""
         if not all(end == WORLD or self._given[end].is_static
                    for end in (joint.parent, joint.child)):
-            self._problems.add_finding(NOT_SIMULATED, 'joint {}, which closes a loop of links,'
-                                       .format(joint.name), 'model ' + self._name)
+            self._report.add(NOT_SIMULATED, 'joint {}, which closes a loop of links,'.format(
+                joint.name), 'model ' + self._name)
 
     def _add_link(self, link: SdfLink, frame: Transform, is_fixed: bool) -> None:
         """Add a link whose frame in the model is `frame`, given in the outermost model."""
@@ -150,25 +147,23 @@ class _Builder:
         is_fixed = is_fixed or link.is_static
         inertia = NO_INERTIA if link.is_static else self._inertia(link.element, offset)
         decay = 0.0, 0.0
-        with self._problems.left_out():
+        with self._report.left_out():
             decay = sdf_links.decay(link.element)
         scope = link.scope
         looks: List[Look] = []
         for visual in link.element.findall('visual'):
-            with self._problems.left_out():
-                look, missing = sdf_links.look(visual, offset @ scope.pose(visual), self._find)
-                looks.append(look)
-                if missing:
-                    self._problems.add_look(missing)
+            with self._report.left_out():
+                looks.append(sdf_links.look(visual, offset @ scope.pose(visual), self._find,
+                                            self._report))
         lamps: List[Light] = []
         for light in link.element.findall('light'):
-            with self._problems.left_out():
+            with self._report.left_out():
                 lamps.append(lights.light(light, offset @ scope.pose(light)))
         solids: List[Solid] = []
         for collision in link.element.findall('collision'):
-            with self._problems.left_out():
+            with self._report.left_out():
                 solid = sdf_links.solid(collision, IDENTITY, self._find)
-                with self._problems.left_out():
+                with self._report.left_out():
                     solid = solid._replace(
                         friction=frictions.of_surface(collision, link.name),
                         contact=frictions.contact_of(collision, link.name, lambda _: None))
@@ -195,12 +190,10 @@ class _Builder:
         self._grounds.append((tree, sdf_links.normal(collision)))
 
     def _inertia(self, link: ElementTree.Element, offset: Transform) -> Inertia:
-        with self._problems.left_out():
-            inertia, warning = sdf_links.inertia(link, offset)
-            self._warnings += [warning] if warning else []
-            return inertia
+        with self._report.left_out():
+            return sdf_links.inertia(link, offset, self._report)
         # in place of one that cannot be used, that of a link without
-        return sdf_links.inertia(ElementTree.Element('link'), offset)[0]
+        return sdf_links.inertia(ElementTree.Element('link'), offset, self._report)
 
     def _add_joint(self, joint: SdfJoint, pose: Transform) -> None:
         """Add a joint, with a massless link between two axes.

@@ -7,19 +7,19 @@ from img_recog.errors import SimulationError
 from img_recog.files import FindFile
 from img_recog.formats import gazebo_materials, generated_meshes, materials
 from img_recog.formats.numbers import read_lengths
-from img_recog.formats.problems import Problems
 from img_recog.formats.texts import name_of
 from img_recog.model import MESH, Link, Look, Model, Shape, Tree
+from img_recog.report import Report
 from img_recog.rotations import IDENTITY
 
 _ABOVE_M = 0.005        # so that the floor is not seen in it
 _ASPHALT = gazebo_materials.named('Gazebo/Road')
 
 
-def tree(road: ElementTree.Element, find: FindFile, problems: Problems) -> Tree:
+def tree(road: ElementTree.Element, find: FindFile, report: Report) -> Tree:
     """Return a <road> as a tree without a collision shape, like in Gazebo.
 
-    find: returns the path of the file at a URI; problems: to which is added a look that is not
+    find: returns the path of the file at a URI; report: to which is added a look that is not
     found. Raises SimulationError when a number is wrong, or it has fewer than two points.
     """
     name = 'road {}'.format(name_of(road)).strip()
@@ -28,9 +28,7 @@ def tree(road: ElementTree.Element, find: FindFile, problems: Problems) -> Tree:
     width = float(read_lengths('<width> of ' + name, road.findtext('width', '1'), 1)[0])
     if len(points) < 2:
         raise SimulationError('{} has {} points, expected 2 or more'.format(name, len(points)))
-    material, look = materials.of_sdf(road, find)
-    if look:
-        problems.add_look(look)
+    material = materials.of_sdf(road, find, report)
     above = IDENTITY._replace(translation=np.array((0.0, 0.0, _ABOVE_M)))
     strip = Look(Shape(MESH, (1.0, 1.0, 1.0), _strip(points, width)), above, material or _ASPHALT)
     name = road.get('name', 'road')

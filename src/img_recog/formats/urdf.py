@@ -14,6 +14,7 @@ from img_recog.formats.numbers import read_axis, read_limit, read_number
 from img_recog.formats.texts import is_true, name_of
 from img_recog.formats.urdf_links import Links, origin_of, text_of_tags
 from img_recog.model import FIXED, PRISMATIC, REVOLUTE, Joint, Limits, Model, Tag
+from img_recog.report import NOTE, Report
 
 
 def root_of(urdf: Union[str, ElementTree.Element]) -> ElementTree.Element:
@@ -32,13 +33,14 @@ def root_of(urdf: Union[str, ElementTree.Element]) -> ElementTree.Element:
     return robot
 
 
-def read(robot: ElementTree.Element, find: FindFile,
+def read(robot: ElementTree.Element, find: FindFile, report: Report,
          controllers: FindControllers = drive_controllers.none) -> Model:
     """Return the links and joints of a <robot>.
 
     find: returns the path of a mesh's or texture's URI. A shape whose mesh is not found is left
     out; where a link has no visual (or collision) shape left because of that, it gets its
-    collision (or visual) shapes. controllers: returns those of ros_control that it can have.
+    collision (or visual) shapes. report: gets what is not found. controllers:
+    returns those of ros_control that it can have.
     Raises SimulationError when a name is missing or used twice, a joint has no link at an end, or
     a number cannot be used.
     """
@@ -58,15 +60,15 @@ def read(robot: ElementTree.Element, find: FindFile,
     joints = tuple(_joint(joint, links, robot)._replace(held=held.get(name_of(joint), 0.0))
                    for joint in robot.findall('joint'))
     _name_lumped_links(robot, joints)
-    reader = Links(robot, find)
+    reader = Links(robot, find, report)
     xacro = check_expanded(robot)
+    if xacro:
+        report.add(NOTE, 'it contains xacro ({}), which is not expanded'.format(xacro))
     return Model(
         robot.get('name') or 'robot', tuple(map(reader.link, robot.findall('link'))), joints,
         surfaces={tag.attrib['reference']: () for tag in robot.findall('gazebo[@reference]')
                   if tag.find("sensor[@type='contact']/plugin") is not None},
         tags=tuple(Tag(tag.get('reference', ''), tag) for tag in robot.findall('gazebo')),
-        missing_meshes=tuple(reader.missing_meshes), missing_looks=tuple(reader.missing_looks),
-        warnings=('it contains xacro ({}), which is not expanded'.format(xacro),) if xacro else (),
         can_sleep=robot.find('gazebo/sensor') is None
         and is_true(text_of_tags(robot, '', 'allow_auto_disable') or '1'))
 

@@ -14,6 +14,7 @@ from img_recog.formats.sdf_links import bitmask
 from img_recog.formats.texts import is_true, name_of, text_of
 from img_recog.model import (ALL_BITS, BOX, CAPSULE, CYLINDER, MESH, NO_INERTIA, SPHERE, Friction,
                              Inertia, Link, Look, Material, Shape, Solid)
+from img_recog.report import LEFT_OUT, NOT_FOUND, Report
 from img_recog.rotations import IDENTITY, Transform, transform
 
 _SIZES = {BOX: (('size', 3),), CYLINDER: (('radius', 1), ('length', 1)), SPHERE: (('radius', 1),),
@@ -43,18 +44,17 @@ def text_of_tags(robot: ElementTree.Element, name: str, *paths: str) -> str:
 class Links:
     """Reads the links of a <robot>, and what its tags say of them."""
 
-    def __init__(self, robot: ElementTree.Element, find: FindFile):
-        self._robot, self._find = robot, find
+    def __init__(self, robot: ElementTree.Element, find: FindFile, report: Report):
+        """report: gets what is not found."""
+        self._robot, self._find, self._report = robot, find, report
         self._tags = [tag for tag in robot.findall('gazebo') if tag.get('reference')]
         self._named = {material.get('name'): material for material in robot.findall('material')}
-        self.missing_meshes: Dict[str, None] = {}
-        self.missing_looks: Dict[str, None] = {}
         self._textures: Dict[str, str] = {}
         for texture in robot.iterfind('.//material/texture'):
             uri = texture.get('filename', '')
             path = find(uri)
             if path is None:
-                self.missing_looks['texture ' + uri] = None
+                report.add(NOT_FOUND, 'texture ' + uri)
             self._textures[uri] = '' if path is None else os.path.abspath(path)
         self._materials: Dict[str, Material] = {}
         links = {name_of(link) for link in robot.findall('link')}
@@ -116,7 +116,8 @@ class Links:
             uri = geometry.get('filename') or text_of(geometry, 'uri')
             found = self._find(uri)
             if found is None or not found.lower().endswith(READABLE):
-                self.missing_meshes[uri] = None
+                self._report.add(LEFT_OUT, 'mesh ' + uri, advice='' if found is None else (
+                    'meshes can be {} files'.format(', '.join(READABLE))))
                 return None
             path = os.path.abspath(found)
         return Shape(kind, size, path)
@@ -194,13 +195,11 @@ class Links:
 
     def _read_materials(self, tag: ElementTree.Element) -> None:
         """Read those of a <gazebo> tag, for all visuals of its link; the last one counts."""
-        found = [materials.of_sdf(shape, self._find) for shape in tag.findall('visual')
-                 if shape.find('material') is not None]
-        found.append(materials.of_script(text_of(tag, 'material'), (), self._find))
-        for material, missing in found:
-            if missing:
-                self.missing_looks[missing] = None
-            elif material is not None:
+        found = [materials.of_sdf(shape, self._find, self._report)
+                 for shape in tag.findall('visual') if shape.find('material') is not None]
+        found.append(materials.of_script(text_of(tag, 'material'), (), self._find, self._report))
+        for material in found:
+            if material is not None:
                 self._materials[tag.attrib['reference']] = material
 
 

@@ -7,11 +7,11 @@ from typing import Callable, Dict, Union
 
 from img_recog.errors import SimulationError, suggestion
 from img_recog.files import FindFile, find_in, find_user_path
-from img_recog.formats import lumping, sdf_file, sdf_versions, urdf
+from img_recog.formats import audit, lumping, sdf_file, sdf_versions, urdf
 from img_recog.formats.markup import MarkupError, check_expanded, parse_xml, read_bytes
-from img_recog.formats.problems import Problems
 from img_recog.formats.sdf_file import WorldFile
 from img_recog.model import Model, Tree
+from img_recog.report import Report
 
 ReadFile = Callable[[str], Union[str, bytes]]
 
@@ -35,38 +35,34 @@ def read(world: str, worlds: Dict[str, str], find: FindFile = lambda uri: None,
     path = worlds.get(world) or os.path.expanduser(find_user_path(world))
     path = path if os.path.isfile(path) else find(path) or path     # like worlds/hall.world
     root = _parsed(world, path, worlds, read_file)
-    problems = Problems()
+    report = Report('world {}'.format(world))
     sdf_versions.unify(root)
-    problems.audit(root)
+    report.extend(audit.audit(root))
     try:
         if root.tag == 'robot':
-            file = _read_urdf(world, root, path, find, problems)
+            file = _read_urdf(world, root, path, find, report)
         else:
-            file = _read_sdf(root, path, find, problems)
+            file = _read_sdf(root, path, find, report)
     except SimulationError as error:
         raise SimulationError('world {}: {}'.format(world, error.problem), error.advice)
-    name = 'world {}'.format(world)
     if not allow_partial:
-        problems.refuse(name, 'add {} to load the rest'.format(option))
-    return file._replace(warnings=(*problems.warnings(name), *file.warnings),
-                         left_out=problems.names, missing_looks=problems.looks,
-                         findings=problems.findings)
+        report.refuse('add {} to load the rest'.format(option))
+    return file._replace(findings=report.findings)
 
 
 def _read_urdf(world: str, root: ElementTree.Element, path: str,
-               find: FindFile, problems: Problems) -> WorldFile:
+               find: FindFile, report: Report) -> WorldFile:
     in_folder = find_in(os.path.dirname(os.path.abspath(path)))
-    model = urdf.read(root, lambda uri: in_folder(uri) or find(uri))
-    tree = fixed_tree(model, root.get('name', world), problems)
+    model = urdf.read(root, lambda uri: in_folder(uri) or find(uri), report)
+    tree = fixed_tree(model, root.get('name', world))
     return WorldFile(tree.name, (tree,))
 
 
-def fixed_tree(model: Model, name: str, problems: Problems) -> Tree:
-    """Return a URDF whose root link never moves; problems: to which is added what is not found.
+def fixed_tree(model: Model, name: str) -> Tree:
+    """Return a URDF whose root link never moves.
 
     Raises SimulationError when it has several root links.
     """
-    problems.add_missing(model)
     if len(model.roots) > 1:      # PyBullet would crash
         raise SimulationError('got {} root links ({}), expected one'.format(
             len(model.roots), ', '.join(model.roots)), 'connect them with fixed joints')
@@ -76,12 +72,9 @@ def fixed_tree(model: Model, name: str, problems: Problems) -> Tree:
 
 
 def _read_sdf(root: ElementTree.Element, path: str, find: FindFile,
-              problems: Problems) -> WorldFile:
-    file = sdf_file.read(root, path, find, problems)
-    name = os.path.splitext(os.path.basename(path))[0]
-    return file._replace(name=name, warnings=tuple(
-        'world {}: model {}: {}'.format(name, tree.name, warning)
-        for tree in file.trees for warning in tree.model.warnings))
+              report: Report) -> WorldFile:
+    file = sdf_file.read(root, path, find, report)
+    return file._replace(name=os.path.splitext(os.path.basename(path))[0])
 
 
 def _parsed(world: str, path: str, worlds: Dict[str, str],

@@ -11,7 +11,8 @@ from typing import Any, Callable, Optional, Tuple
 
 from img_recog.processes import signals
 
-_EXIT_TIMEOUT_S = 2.0
+_EXIT_TIMEOUT_S = 2.0       # of one that works, after its connection was closed
+_LAST_TIMEOUT_S = 30.0      # of one that has closed its connection: a busy machine is slow
 _END = object()             # the message after the last one
 # Linux reports room for writing while a quarter of a socket's buffer of 208 kB is used at most
 _AT_ONCE_BYTES = 1 << 16
@@ -81,12 +82,15 @@ class HelperProcess:
             self._send_now(message)
             self._outbox.task_done()
 
-    def wait(self) -> Optional[int]:
-        """Wait for the exit of a process that must be about to exit; return its exit code.
+    def wait(self, timeout_s: float = _LAST_TIMEOUT_S) -> Optional[int]:
+        """Wait for the exit of a process that has closed its connection; return its exit code.
 
-        None if it does not exit within 2 s.
+        If it does not exit in this time, it is killed.
         """
-        self._process.join(_EXIT_TIMEOUT_S)
+        self._process.join(timeout_s)
+        if self._process.exitcode is None:
+            self.kill()
+            self._process.join()
         return self._process.exitcode
 
     def kill(self) -> None:
@@ -97,9 +101,7 @@ class HelperProcess:
         """Close the pipe, wait for the process to exit, or kill it; return its exit code."""
         self._outbox.put(_END)
         self.connection.close()
-        if self.wait() is None:
-            self.kill()
-        return self.wait()
+        return self.wait(_EXIT_TIMEOUT_S)
 
 
 def _run(target: Callable[..., None], connection: Connection, inherited: Tuple, niceness: int

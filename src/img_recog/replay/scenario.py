@@ -31,8 +31,8 @@ def build(world: str, urdf_path: str, spawn: SpawnSettings,
     built = assemble.simulator(
         physics, [robot.changed(spawn=spawn, noise=noise, drive=dataclasses.replace(
             robot.settings.drive, **drive))], _UNUSED_SENSORS, _option)
-    for warning in built.warnings:
-        _log.warning('%s', warning)
+    for line in built.report.lines():
+        _log.warning('%s', line)
     return built
 
 

@@ -2,23 +2,20 @@
 import dataclasses
 import functools
 import xml.etree.ElementTree as ElementTree
-from typing import (Any, Callable, Dict, Iterator, List, Mapping, NamedTuple, Sequence, Tuple,
+from typing import (Any, Callable, Dict, List, Mapping, NamedTuple, Sequence, Tuple,
                     Union, cast)
 
 from img_recog import rotations
 from img_recog.errors import SimulationError
 from img_recog.files import FindFile
 from img_recog.formats import audit, drive_controllers, drive_tags, lumping, urdf as urdf_file
-from img_recog.formats.audit import Finding
 from img_recog.formats.drive_controllers import FindControllers
-from img_recog.formats.meshes.mesh_file import READABLE
 from img_recog.model import DIFFERENTIAL, PLANAR, Model, Tree
+from img_recog.report import NOT_SIMULATED, NOT_USED, Finding, Report
 from img_recog.settings import SettingError, from_mapping
 from img_recog.simulation.names import Names
 from img_recog.simulation import wheels
-from img_recog.simulation.physics.differential_drive import DifferentialDrive
-from img_recog.simulation.physics.drive import Drive
-from img_recog.simulation.physics.planar_drive import PlanarDrive
+from img_recog.simulation.physics.drive import DifferentialDrive, Drive, PlanarDrive
 from img_recog.simulation.sensors import in_files
 from img_recog.simulation.sensors.sensor import ConfiguredSensor, SensorKind, numbered, sensors_of
 from img_recog.simulation.simulation_settings import (CameraSettings, DriveSettings, NoiseSettings,
@@ -37,9 +34,9 @@ class ConfiguredModel(NamedTuple):
 
     source: what messages call its text, like robot_description or the path of a file;
     tag_values: the settings in its <gazebo> tags of what is there once and of the first sensor of
-    each kind, by name; warnings: a line each; not_simulated: what is in its tags; findings: what
-    else is not done as asked. names: of its topics and frames. has_place: whether it starts where
-    its settings say; else that is where the nearest free place is searched.
+    each kind, by name; findings: what is not done as its file asks. names: of its topics
+    and frames. has_place: whether it starts where its settings say; else that is where the nearest
+    free place is searched.
     """
 
     source: str
@@ -47,8 +44,6 @@ class ConfiguredModel(NamedTuple):
     settings: RobotSettings = RobotSettings()
     sensors: Sequence[ConfiguredSensor] = ()
     tag_values: Mapping[str, Any] = {}
-    warnings: Tuple[str, ...] = ()
-    not_simulated: Tuple[str, ...] = ()
     findings: Tuple[Finding, ...] = ()
     names: Names = Names()
     has_place: bool = True
@@ -63,13 +58,6 @@ class ConfiguredModel(NamedTuple):
         """The settings of its cameras."""
         return [cast(CameraSettings, self.settings.sensors[each.name])
                 for each in self.sensors if each.kind.is_drawn]
-
-    @property
-    def not_done(self) -> List[str]:
-        """What the file asks for that is not done, each as a few words."""
-        model = self.model
-        return [*model.left_out, *self.not_simulated, *(each.text() for each in self.findings),
-                *model.missing_meshes, *model.missing_looks]
 
     def new_drive(self) -> Drive:
         """Return a drive with its settings; SimulationError when those cannot be used."""
@@ -111,33 +99,27 @@ def from_urdf(urdf: Union[str, ElementTree.Element], step_s: float, find: FindFi
     """
     # several look for them, and each answer is one of the master
     controllers = functools.lru_cache(maxsize=None)(controllers)
+    report = Report(source)
     try:
         root = urdf_file.root_of(urdf)
-        model = lumping.lumped(urdf_file.read(root, find, controllers))
-        drive = drive_tags.find(root, step_s, controllers)
+        model = lumping.lumped(urdf_file.read(root, find, report, controllers), report)
+        drive = drive_tags.find(root, step_s, report, controllers)
         tags, unused = urdf_file.used_tags(root, model)
-        in_tags, sensors, not_simulated = in_files.read(tags, step_s, kinds,
-                                                        drive and drive.tags)
-        findings = audit.merged([*audit.audit(root), *(Finding(
-            audit.NOT_USED, 'the <gazebo> tag, as there is no such link,', (name,))
-            for name in unused)])
+        in_tags, sensors = in_files.read(tags, step_s, kinds, report, drive and drive.tags)
+        report.extend(audit.audit(root))
+        for name in unused:
+            report.add(NOT_USED, 'the <gazebo> tag, as there is no such link,', name)
         moving = [joint.name for joint in model.joints]
-        stray = ['joint {} of a joint state publisher'.format(name) for name in names_in(
-            in_tags.get('joint_states_joints', '')) if name not in moving]
-        of_tags = tuple(dict.fromkeys((*not_simulated, *stray)))
-        of_controllers = drive.problems if drive else drive_controllers.not_simulated(
-            root, drive_controllers.of_robot(root, controllers))
+        for name in names_in(in_tags.get('joint_states_joints', '')):
+            if name not in moving:
+                report.add(NOT_SIMULATED, 'joint {} of a joint state publisher'.format(name))
         values = {**(drive.values if drive else {}),
                   **drive_controllers.joint_states(root, controllers, step_s), **in_tags}
         sensors = sensors_of(kinds, sensors)
         settings = _settings(model, sensors, values, read)
         return ConfiguredModel(
             source, model, settings, [each for each in sensors if each.name in settings.sensors],
-            values,
-            (*('{}: {}'.format(source, line)
-               for line in _warnings(model, of_tags, of_controllers)),
-             *audit.warnings(source, findings)),
-            (*of_tags, *of_controllers), findings)
+            values, report.findings)
     except (SimulationError, SettingError) as error:
         raise refused(source, error.problem, error.advice)
 
@@ -155,12 +137,13 @@ def from_sdf(tree: Tree, step_s: float, kinds: Sequence[SensorKind],
     try:
         drive = drive_tags.of_model(model, step_s)
         tags = drive and drive.tags
-        in_tags, sensors, problems = in_files.read(model.tags, step_s, kinds, tags, with_bare)
+        report = Report(source)
+        in_tags, sensors = in_files.read(model.tags, step_s, kinds, report, tags, with_bare)
         if not with_bare:       # in Gazebo, too, a sensor without a plugin has no topics in ROS
-            problems = in_files.read(model.tags, step_s, kinds, tags, with_bare=True)[2]
+            report = Report(source)
+            in_files.read(model.tags, step_s, kinds, report, tags, with_bare=True)
         of_model = ['plugin ' + plugin.get('filename', '') for tag in model.tags if not tag.link
                     for plugin in tag.element.findall('plugin')]    # the audit names them
-        not_simulated = tuple(part for part in dict.fromkeys(problems) if part not in of_model)
         # what has a place is in a tag; the rest belongs to a drive
         sensors = [each for each in sensors_of(kinds, sensors)
                    if each.place is not None or drive and not each.kind.tags.frame]
@@ -169,28 +152,9 @@ def from_sdf(tree: Tree, step_s: float, kinds: Sequence[SensorKind],
             sensors={each.name: settings_in_tag(each) for each in sensors})
         return ConfiguredModel(
             source, model, dataclasses.replace(settings, noise=settings.noise.of(tree.name)),
-            sensors, values,
-            tuple('not simulated, of {}: {}'.format(source, part) for part in not_simulated),
-            not_simulated)
+            sensors, values, tuple(each for each in report.findings if each.what not in of_model))
     except (SimulationError, SettingError) as error:
         raise refused(source, error.problem, error.advice)
-
-
-def _warnings(model: Model, of_tags: Sequence[str],
-              of_controllers: Sequence[str]) -> Iterator[str]:
-    """Yield a line for each thing of a robot that is not done as its file says."""
-    yield from model.warnings
-    if model.missing_meshes:
-        yield ('mesh{} not found, replaced by other shapes of the link: {}; PyBullet reads {} '
-               'files; for package:// the package must be built and sourced'.format(
-                   '' if len(model.missing_meshes) == 1 else 'es',
-                   ', '.join(model.missing_meshes), ', '.join(READABLE)))
-    if model.missing_looks:
-        yield ('not known or not found, of its materials: {}; those links keep their other color'
-               .format(', '.join(model.missing_looks)))
-    for name, parts in (('<gazebo> tags', of_tags), ('controllers', of_controllers)):
-        if parts:
-            yield 'not simulated, of its {}: {}'.format(name, ', '.join(parts))
 
 
 def _settings(model: Model, sensors: Sequence[ConfiguredSensor], tag_values: Mapping[str, Any],

@@ -1,8 +1,9 @@
 """Keeps what the physics throws to infinity away from the rest of the world."""
 import itertools
 import math
-from typing import Callable, Dict, Iterable, Iterator, List, Sequence, Set
+from typing import Dict, Iterable, Iterator, List, Sequence, Set
 
+from img_recog.report import NOTE
 from img_recog.simulation.physics.body import BodyState
 from img_recog.simulation.physics.framed_body import FramedBody
 from img_recog.simulation.physics.model_bodies import ModelBodies
@@ -26,9 +27,8 @@ class Guard:
     and one after another is tried: those that bring NaN are frozen until a reset.
     """
 
-    def __init__(self, world: World, warn: Callable[[str], None]):
-        """warn: gets a line for each model."""
-        self._world, self._warn = world, warn
+    def __init__(self, world: World):
+        self._world = world
         self._states: Dict[FramedBody, BodyState] = {}      # of all that moves
         self._moving: List[FramedBody] = []                 # those of the states
         self._asleep: Set[int] = set()                      # those that slept at the last states
@@ -116,16 +116,20 @@ class Guard:
         culprits = large if not spread or len(large) < 2 else self._tried(large, now, trial)
         if not culprits and not self._has_moved_back:
             self._has_moved_back = True
-            self._warn('{}: the physics computed nan, and not again from where they were at {:g} '
-                       's; they were moved back to there'.format(
-                           ', '.join(model.bodies[0].name for model in large), saved_s))
+            self._say(', '.join(model.bodies[0].name for model in large),
+                      'the physics computed nan, and not again from where they were at {:g} s; '
+                      'they were moved back to there'.format(saved_s))
             return
         for model in culprits or large:
             if model.bodies[0] not in self._frozen:
                 self._freeze(model, now)
-            self._warn('{}: the physics has thrown it to infinity; it stays where it was at {:g} '
-                       's; check its masses, inertias and springs, and reset the world'.format(
-                           model.bodies[0].name, saved_s))
+            self._say(model.bodies[0].name,
+                      'the physics has thrown it to infinity; it stays where it was at {:g} s; '
+                      'check its masses, inertias and springs, and reset the world'.format(
+                          saved_s))
+
+    def _say(self, name: str, line: str) -> None:
+        self._world.report.about(name).add(NOTE, line)
 
     def _tried(self, models: Sequence[ModelBodies], states: Dict[FramedBody, BodyState],
                steps: int) -> List[ModelBodies]:

@@ -1,7 +1,8 @@
 """Looks for robots that stand on other links than their driven wheels, and so cannot drive."""
-from typing import Callable, Dict, List, Sequence, Set
+from typing import Dict, List, Sequence, Set
 
 from img_recog import rotations
+from img_recog.report import NOTE, Report
 from img_recog.simulation.physics import tires
 from img_recog.simulation.simulated_model import Robot
 
@@ -20,15 +21,16 @@ class HangingWheels:
         """Call after the robots were moved to their starts."""
         self._counts.clear()
 
-    def look(self, robots: Sequence[Robot], warn: Callable[[str], None]) -> None:
-        """Look at robots; warn: gets a line about each one."""
+    def look(self, robots: Sequence[Robot], report: Report) -> None:
+        """Look at robots; report: gets a line about each one."""
         for robot in robots:
             name, links = robot.body.name, _standing_on(robot)
             self._counts[name] = self._counts.get(name, 0) + 1 if links else 0
             if self._counts[name] == _LOOKS and name not in self._told:
                 self._told.add(name)
-                warn('{}: no driven wheel touches anything, it stands on {}; lower its wheels, or '
-                     'raise what it stands on'.format(name, ', '.join(links)))
+                report.about(name).add(
+                    NOTE, 'no driven wheel touches anything, it stands on {}; lower its wheels, '
+                    'or raise what it stands on'.format(', '.join(links)))
 
 
 def _standing_on(robot: Robot) -> List[str]:

@@ -6,8 +6,8 @@ import numpy as np
 from img_recog import rotations
 from img_recog.errors import SimulationError, shortened
 from img_recog.model import Tree
-from img_recog.rotations import Transform
-from img_recog.simulation.physics.body import relative
+from img_recog.rotations import IDENTITY, Transform
+from img_recog.simulation.physics.body import BodyPose, Motion, motion_of_frame, relative
 from img_recog.simulation.physics.framed_body import FramedBody
 from img_recog.simulation.physics.model_bodies import ModelBodies
 from img_recog.simulation.simulated_model import SimulatedModel
@@ -97,7 +97,7 @@ class Models:
                 if body in model.bodies:
                     lower, upper = body.limits(found)[:2]
                     body.set_joint(body.first_axes[found], min(max(position, lower), upper))
-        self._world.notify_moved(model)
+        self._world.notify_moved(model, model.bodies)
 
     def state(self, name: str, frame: str = WORLD) -> State:
         """Return the state of a model or link relative to `frame`: the world, a model or a link.
@@ -121,21 +121,20 @@ class Models:
         Raises SimulationError when there is no such model or frame, the model is the floor, or the
         state has a number that is not finite.
         """
-        model, origin = self._model(name), self._frame(frame).pose()
-        if self._world.floor in model.bodies:
+        (model, bodies, in_model), origin = self._target(name), self._frame(frame).pose()
+        if self._world.floor in bodies:
             raise SimulationError('model {} cannot be moved'.format(name))
         state.check()
-        model.move(origin @ state.pose(), origin.rotation @ state.linear,
-                   origin.rotation @ state.angular)
-        self._world.notify_moved(model)
+        _move(bodies, in_model, origin @ state.pose(), origin.rotation @ state.linear,
+              origin.rotation @ state.angular)
+        self._world.notify_moved(model, bodies)
 
-    def add(self, name: str, trees: Sequence[Tree], state: State, frame: str = WORLD,
-            warn: Callable[[str], None] = lambda line: None) -> SimulatedModel:
+    def add(self, name: str, trees: Sequence[Tree], state: State,
+            frame: str = WORLD) -> SimulatedModel:
         """Add a model to the world, and return it.
 
         trees: of the model, as they are when its file is the world; state: that the world of the
-        file has in `frame`; warn: gets a line if the next step takes long,
-        and about what is simulated in another way than given.
+        file has in `frame`.
         Raises SimulationError when there is no such frame, a model has that name, the state is not
         allowed, PyBullet cannot load the model or the next step would take too long.
         """
@@ -145,10 +144,6 @@ class Models:
         placed = [tree._replace(pose=pose @ tree.pose) for tree in trees]
         model, = self._world.load(placed)
         model.name = name
-        if self._world.crowded:     # before that step, which holds all threads
-            warn('model {}: {}'.format(name, self._world.crowded))
-        for line in self._world.warnings:
-            warn('model ' + line)
         return cast(SimulatedModel, model)
 
     def pose_in_world(self, state: State, frame: str = WORLD) -> Transform:
@@ -168,25 +163,62 @@ class Models:
         self._world.remove(model)
         return cast(SimulatedModel, model)
 
-    def _model(self, name: str) -> ModelBodies:
-        """Return a model, or of MODEL::LINK what is joined to that link."""
+    def _target(self, name: str) -> Tuple[ModelBodies, Sequence[FramedBody], Transform]:
+        """Return a model, its bodies, or for MODEL::LINK the one of that root link, and the pose
+        of the first root link in the frame that a state is of.
+        """
         model_name, _, link = name.partition(LINK_SEPARATOR)
         if name in self:        # that of a file may have a ::
             model_name, link = name, ''
         model = self.model(model_name)
         if not link:
-            return model
+            return model, model.bodies, model.trees[0].in_model
         bodies = {body.root: body for body in model.bodies}
         if link not in bodies:
             raise SimulationError('model {} has no link {!r} without a joint above it (such '
                                   'links: {})'.format(model_name, link, ', '.join(bodies)))
-        return model.part(bodies[link])
+        return model, [bodies[link]], IDENTITY
 
     def _frame(self, name: str) -> State:
         return REST if name == WORLD else self._state_in_world(name)
 
     def _state_in_world(self, name: str) -> State:
         if name in self:
-            return in_world(self.model(name).motion())
+            model = self.model(name)
+            return in_world(_motion(model.bodies[0], model.trees[0].in_model))
         body, link = self.link(name)
         return in_world(body.motion(link))
+
+
+def _motion(body: FramedBody, in_model: Transform) -> Motion:
+    """Return the motion of the frame in which the root link of a body has the pose `in_model`."""
+    root = body.motion()
+    turn = rotations.matrix(root.orientation)
+    pose = Transform(turn, root.position) @ in_model.inverse
+    return motion_of_frame(
+        (pose.translation.tolist(), rotations.quaternion_of(pose.rotation)),
+        root.position.tolist(), (turn @ root.linear).tolist(), (turn @ root.angular).tolist())
+
+
+def _move(bodies: Sequence[FramedBody], in_model: Transform, pose: Transform, linear: np.ndarray,
+          angular: np.ndarray) -> None:
+    """Move bodies rigidly.
+
+    Args:
+        bodies: Bodies.
+        in_model: Pose of the first root link in the frame that is moved to `pose`.
+        pose: Pose of that frame in the world.
+        linear: Velocity (3,) of that frame in m/s, along the axes of the world.
+        angular: Angular velocity (3,) in rad/s, along the axes of the world.
+    """
+    motion = _motion(bodies[0], in_model)
+    now = Transform(rotations.matrix(motion.orientation), motion.position)
+    for body in bodies:
+        old = body.pose()
+        new = pose @ now.inverse @ Transform(rotations.matrix(old.orientation),
+                                             np.array(old.position))
+        body.place(BodyPose(new.translation.tolist(), rotations.quaternion_of(new.rotation),
+                            old.joints))
+        if not body.fixed:
+            arm = new.translation - pose.translation
+            body.set_velocity((linear + np.cross(angular, arm)).tolist(), angular.tolist())

@@ -28,11 +28,6 @@ class SimulatedModel(ModelBodies):
         super().__init__(name, trees, bodies)
         self.sensors: List[MountedSensors] = []
 
-    def part(self, body: FramedBody) -> ModelBodies:
-        part = SimulatedModel(self.name, [Tree(body.name, body.model)], [body])
-        part.sensors = [mounted for mounted in self.sensors if mounted.body is body]
-        return part
-
     @property
     def cameras(self) -> Dict[str, RobotCamera]:
         """The cameras by the names of their sensors."""
@@ -68,9 +63,10 @@ class SimulatedModel(ModelBodies):
         for mounted in self.sensors:
             mounted.restart_noise()
 
-    def notify_moved(self) -> None:
+    def notify_moved(self, bodies: Sequence[FramedBody]) -> None:
         for mounted in self.sensors:
-            mounted.notify_teleported()
+            if mounted.body in bodies:
+                mounted.notify_teleported()
 
 
 class Robot(SimulatedModel):
@@ -111,19 +107,10 @@ class Robot(SimulatedModel):
     def _lift(self) -> None:
         self.lift = self._world.lift(self.body)
 
-    def part(self, body: FramedBody) -> ModelBodies:
-        return self     # it has one body
-
     @property
     def missing_sensors(self) -> Dict[str, str]:
         """The links that the robot does not have, by the names of the sensors left out."""
         return self.sensors[0].missing
-
-    @property
-    def not_done(self) -> List[str]:
-        """What the file asks for that is not done, each as a few words."""
-        return [*self.spec.not_done, *(each.name for each in self.spec.sensors
-                                       if each.values and each.name in self.missing_sensors)]
 
     @property
     def sensor_kinds(self) -> Set[str]:
@@ -188,13 +175,13 @@ class Robot(SimulatedModel):
         self.body.place(BodyPose((x, y, self.settings.spawn.z_pos),
                                  rotations.of_yaw(yaw), self.body.pose().joints))
         self.body.stop_wheels()
-        self.notify_moved()
+        self.notify_moved(self.bodies)
 
-    def notify_moved(self) -> None:
+    def notify_moved(self, bodies: Sequence[FramedBody]) -> None:
         """Call after the robot was moved from outside; it is lifted onto what it is in."""
         self._lift()
         self.drive.notify_stopped()
-        super().notify_moved()
+        super().notify_moved(bodies)
 
     def notify_loaded_again(self) -> None:
         self.drive.notify_stopped()

@@ -1,6 +1,7 @@
 """A world with its robots and sensors, advanced together by whole steps."""
 from typing import Any, Callable, Collection, List, Optional, Sequence, Set
 
+from img_recog.report import NOTE
 from img_recog.simulation.guard import Guard
 from img_recog.simulation.hanging import HangingWheels
 from img_recog.simulation.mounted_sensors import MountedSensors, Reading
@@ -28,18 +29,15 @@ class Simulator:
     Attributes:
         world: World.
         after_step: Called after each step of the physics, if it is set.
-        warn: Gets a line about each body that flies away or is frozen, and each robot whose
-            wheels hang in the air.
     """
 
     def __init__(self, world: World):
         self.world = world
         self._steps = 0
         self.after_step: Optional[Callable[[], None]] = None
-        self.warn: Callable[[str], None] = lambda line: None
         self._flying: Set[str] = set()
         self._hanging = HangingWheels()
-        self._guard = Guard(world, lambda line: self.warn(line))
+        self._guard = Guard(world)
 
     @property
     def models(self) -> List[SimulatedModel]:
@@ -91,7 +89,7 @@ class Simulator:
             self._guard.look(stop)
             if stop // _LOOK_STEPS > begin // _LOOK_STEPS:
                 self._look_for_flights()
-                self._hanging.look(self.robots, self.warn)
+                self._hanging.look(self.robots, self.world.report)
             readings.extend(self._read_sensors(active))
         return readings
 
@@ -102,9 +100,10 @@ class Simulator:
             speed = body.speed()
             if not speed < _IMPOSSIBLE:     # also NaN
                 self._flying.add(body.name)
-                self.warn('{} moves at {:.3g} m/s, after {:g} s: the physics has thrown it, most '
-                          'often because it was pushed into something that cannot give way; reset '
-                          'the world or move it'.format(body.name, speed, self.time_s))
+                self.world.report.about('').add(
+                    NOTE, '{} moves at {:.3g} m/s, after {:g} s: the physics has thrown it, most '
+                    'often because it was pushed into something that cannot give way; reset '
+                    'the world or move it'.format(body.name, speed, self.time_s))
 
     def _read_sensors(self, models: Sequence[SimulatedModel]) -> List[Reading]:
         """Return the readings of the sensors that are due now."""

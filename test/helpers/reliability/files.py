@@ -20,10 +20,11 @@ from img_recog.camera.selection import open_file
 from img_recog.camera.source import FrameSkipped, SourceEnded
 from img_recog.checks import robot_check, world_check
 from img_recog.errors import UserError
-from img_recog.formats import lumping, still_images, urdf, world_file
+from img_recog.formats import still_images, world_file
 from img_recog.loading import resources
 from img_recog.recordings.bags import BagFrames
 from img_recog_helpers import bombs
+from img_recog_helpers.parsed import lumped
 from img_recog_helpers.reliability import chain, hostile
 from img_recog_helpers.simulator_tools import burger
 
@@ -134,7 +135,7 @@ def _replay(path: str) -> None:
 
 def _read_robot(path: str) -> None:
     with open(path, errors='replace') as file:
-        lumping.lumped(urdf.read(urdf.root_of(file.read()), lambda uri: None))
+        lumped(file.read())
 
 
 def _read_world(path: str) -> None:

@@ -80,18 +80,18 @@ DRIVE = ('<plugin name="d" filename="libgazebo_ros_diff_drive.so"><leftJoint>a</
 
 
 @pytest.mark.parametrize('inside, line', [
-    (SENSOR.format('gps', ''), 'not simulated, of model wall: sensor gps'),
+    (SENSOR.format('gps', ''), 'model wall: not simulated: sensor gps'),
     (SENSOR.format('ray', '<ray><scan><horizontal><samples>x</samples></horizontal></scan></ray>'
                    '<plugin name="p" filename="libgazebo_ros_laser.so"/>'),
-     "cannot use the robot in model wall: <ray/scan/horizontal/samples> of sensor s: got 'x', "
-     'expected a whole number; its sensors are not simulated'),
+     'model wall: not simulated: its sensors; cannot use the robot in model wall: '
+     "<ray/scan/horizontal/samples> of sensor s: got 'x', expected a whole number"),
     (SENSOR.format('camera', '<camera><horizontal_fov>wide</horizontal_fov></camera><plugin '
                    'name="p" filename="libgazebo_ros_camera.so"/>'),
-     "cannot use the robot in model wall: <horizontal_fov> of sensor s: got 'wide', "
-     'expected 1 finite number; its sensors are not simulated'),
-    (DRIVE, 'cannot use the robot in model wall: the robot has no movable joint a (movable '
-     'joints: none); set left_joint to the joint of a wheel; its sensors and its drive are not '
-     'simulated')])
+     'model wall: not simulated: its sensors; cannot use the robot in model wall: '
+     "<horizontal_fov> of sensor s: got 'wide', expected 1 finite number"),
+    (DRIVE, 'model wall: not simulated: its sensors and its drive; cannot use the robot in model '
+     'wall: the robot has no movable joint a (movable joints: none); set left_joint to the joint '
+     'of a wheel; one that moves nothing with an <inertial> is left out')])
 def test_a_world_gets_the_same_warnings_from_both_programs(run, tmp_path, inside, line):
     text = WALL.replace('</link>', inside + '</link>') if '<sensor' in inside else WALL.replace(
         '</model>', inside + '</model>')
@@ -176,7 +176,8 @@ def test_what_cannot_be_drawn_is_said(run, tmp_path):
         '</visual></link>', 1))
     code, lines = run('simulate.py', 'eyes.sdf', '--until', '0.01', '--pictures', '.')
     assert code == 2
-    assert any(line.startswith('warning: not drawn: cannot read the mesh') for line in lines)
+    assert any(line.startswith('warning: world eyes: not drawn: cannot read the mesh')
+               for line in lines)
 
 
 def test_a_motor_drives_a_joint(run, tmp_path):
@@ -202,4 +203,5 @@ def test_what_is_left_out_of_a_world_as_figures(run, tmp_path):
     (tmp_path / 'part.sdf').write_text(sdf(BUILT_IN, WALL, CHAIR))
     code, lines = run('simulate.py', 'part.sdf', '--until', '0.001')
     assert code == 2
-    assert 'warning: world part.sdf: loaded without: model://chair' in lines
+    assert ('warning: world part.sdf: loaded without: model://chair; set GAZEBO_MODEL_PATH to the '
+            'folders of the models') in lines

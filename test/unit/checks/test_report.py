@@ -1,5 +1,5 @@
 """The table: columns of equal width, unless a cell is long."""
-from img_recog.checks.report import CheckReport, CheckRow
+from img_recog.checks.check_report import CheckReport, CheckRow
 
 LONG = 'x' * 61
 

@@ -6,6 +6,7 @@ import pytest
 from img_recog.checks import world_check
 from img_recog.formats import audit as audits, elements
 from img_recog.formats.audit import audit
+from img_recog.report import Report
 from img_recog_helpers.pages import tool
 
 MODEL = '<sdf version="1.6"><world name="w"><model name="m">{}</model></world></sdf>'
@@ -14,7 +15,9 @@ ROBOT = '<robot name="r"><link name="l">{}</link>{}</robot>'
 
 
 def said(text):
-    return [(each.state, each.text()) for each in audit(ElementTree.fromstring(text))]
+    report = Report()
+    report.extend(audit(ElementTree.fromstring(text)))
+    return [(each.kind, each.text()) for each in report.findings]
 
 
 @pytest.mark.parametrize('text, state, words', [
@@ -51,6 +54,15 @@ def said(text):
      'not known', '<wheelSeperation> of robot r plugin libgazebo_ros_diff_drive.so'),
     (MODEL.format('<plugin filename="libgazebo_ros_diff_drive.so"><topic/></plugin>'),
      'not known', '<topic> of model m plugin libgazebo_ros_diff_drive.so'),
+    (MODEL.format('<plugin filename="libgazebo_ros_difdrive.so"><topic/></plugin>'), 'not known',
+     'plugin libgazebo_ros_difdrive.so (did you mean libgazebo_ros_diff_drive.so?) of world w '
+     'model m'),
+    (ROBOT.format('', '<gazebo><plugin filename="libgazebo_ros_difdrive.so"/></gazebo>'),
+     'not known', 'plugin libgazebo_ros_difdrive.so (did you mean libgazebo_ros_diff_drive.so?) '
+     'of robot r'),
+    (ROBOT.format('', '<gazebo reference="l"><sensor name="s" type="ray"><plugin '
+                  'filename="libRayPlugin.so"/></sensor></gazebo>'), 'not known',
+     'plugin libRayPlugin.so (did you mean libgazebo_ros_laser.so?) of gazebo l sensor s'),
     (ROBOT.format('<visaul/>', ''), 'not known', '<visaul> of robot r link l'),
     (ROBOT.format('', '<gazebo reference="l"><kinematic>true</kinematic></gazebo>'),
      'not simulated', '<kinematic> of robot r gazebo l'),
@@ -75,8 +87,10 @@ def test_what_is_said(text, state, words):
     '<sdf><world name="w"><scene><ambient>0.4 0.4 0.4</ambient><shadows>true</shadows></scene>'
     '</world></sdf>',
     ROBOT.format('', '<gazebo reference="l"><mu1>0.1</mu1><mu2>0.1</mu2><kp>5</kp></gazebo>'),
-    ROBOT.format('', '<gazebo><plugin name="p" filename="f"><leftJoint>a</leftJoint></plugin>'
-                 '</gazebo>')])
+    *(ROBOT.format('', '<gazebo><plugin name="p" filename="{}"><leftJoint>a</leftJoint></plugin>'
+                   '</gazebo>'.format(name))
+      for name in ('f', 'libgazebo_ros_ft_sensor.so', 'libgazebo_ros_p3d.so',
+                   'libgazebo_ros_velodyne_laser.so'))])
 def test_nothing_is_said_of_what_is_done_or_changes_nothing(text):
     assert said(text) == []
 

@@ -5,6 +5,7 @@ import xml.etree.ElementTree as ElementTree
 import pytest
 
 from img_recog.formats import drive_controllers
+from img_recog.report import Report
 
 JOINTS = 'a', 'b', 'c', 'd', 'l_wheel_joint', 'r_wheel_joint'
 CONTROL = '<gazebo><plugin filename="libgazebo_ros_control.so"/></gazebo>'
@@ -18,7 +19,7 @@ def found(controller, efforts):
     robot = ElementTree.fromstring('<robot>{}{}</robot>'.format(CONTROL, ''.join(
         '<joint name="{}">{}</joint>'.format(name, efforts.get(name, ''))
         for name in JOINTS)))
-    return drive_controllers.find(robot, lambda namespace: {'base': controller}, 0.001)
+    return drive_controllers.find(robot, lambda namespace: {'base': controller}, 0.001, Report())
 
 
 TRANSMISSION = ('<transmission><joint name="a">{}</joint><actuator>{}</actuator></transmission>'

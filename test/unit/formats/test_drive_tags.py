@@ -2,6 +2,7 @@
 import pytest
 
 from img_recog.formats import drive_controllers, drive_tags, urdf
+from img_recog.report import Report
 from img_recog.settings import from_mapping
 from img_recog.simulation.sensors.joint_states import JointStateSettings
 from img_recog.simulation.sensors.odometry import OdometrySettings
@@ -26,13 +27,13 @@ def test_what_plugins_for_wheels_assume(library):
 
 
 def find(element, given):
-    return drive_tags.find(urdf.root_of(robot(element)), 0.001, lambda namespace: given)
+    return drive_tags.find(urdf.root_of(robot(element)), 0.001, Report(), lambda namespace: given)
 
 
 @pytest.mark.parametrize('library', ['gazebo_ros_control', 'fetch_gazebo_plugin'])
 def test_plugins_that_run_controllers(library):
     found = find(plugin(library), controllers())
-    assert found.values['left_joint'] == 'left_0_joint' and found.problems == ()
+    assert found.values['left_joint'] == 'left_0_joint'
     assert find(plugin(library), {}) is None
     assert find(plugin('gazebo_ros_p3d'), controllers()) is None
 
@@ -51,13 +52,13 @@ def test_no_controller_without_the_plugin_that_runs_them(given):
 @pytest.mark.parametrize('elements, given, wanted', [
     (CONTROL, {}, 'it has: plugin libgazebo_ros_control.so;'),
     (CONTROL, {'car': {'type': 'ackermann_steering_controller/AckermannSteeringController'}},
-     'controller car (ackermann_steering_controller/AckermannSteeringController);'),
+     'controller car (ackermann_steering_controller/AckermannSteeringController)'),
     (CONTROL, {'base': {**controllers()['base'], 'left_wheel': 'l'}},
-     'controller base (diff_drive_controller/DiffDriveController: the robot has no joint l);'),
+     'controller base (diff_drive_controller/DiffDriveController: the robot has no joint l)'),
     (plugin('gazebo_ros_tricycle_drive'), {}, 'it has: plugin libgazebo_ros_tricycle_drive.so;'),
     ('', {}, 'it does not drive, as it has no drive that is simulated;')])
 def test_a_robot_without_a_drive_that_is_simulated_is_told_so_in_one_line(elements, given, wanted):
-    warnings = assembled(robot(elements), given).warnings
+    warnings = assembled(robot(elements), given).report.lines()
     line, = [each for each in warnings if 'does not drive' in each]
     assert line.startswith('robot.urdf: it does not drive, as it has no drive that is simulated')
     assert wanted in line and 'set left_joint and right_joint' in line

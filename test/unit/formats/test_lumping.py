@@ -4,7 +4,7 @@ import dataclasses
 import pytest
 
 from img_recog.formats import urdf
-from img_recog_helpers.parsed import lumped
+from img_recog_helpers.parsed import given, lumped
 from img_recog_helpers.refusals import refusal
 from img_recog_helpers.robots import burger
 
@@ -108,6 +108,6 @@ def test_tags_of_links_that_are_not_there_are_left_out():
     more = urdf.root_of(text.replace('<gazebo/>', tag.format('y') + tag.format('x')
                                      + tag.format('y')))
     left, names = urdf.used_tags(more, dataclasses.replace(
-        robot, tags=urdf.read(more, lambda uri: None).tags))
+        robot, tags=given(more).tags))
     assert names == ['y', 'x']
     assert [each.link for each in left] == ['a', 'b', 'c', 'j', '']

@@ -9,6 +9,7 @@ from img_recog.formats import markup, model_file, world_file
 from img_recog.formats.yaml_text import load_yaml
 from img_recog.loading import robot_file
 from img_recog.recognition import parameter_file
+from img_recog.report import Report
 from img_recog.simulation.configured_model import from_urdf
 from img_recog_helpers.parsed import lumped
 from img_recog_helpers.refusals import refusal
@@ -126,7 +127,7 @@ def test_xacro_that_is_not_expanded_is_named_wherever_it_is_read(tmp_path, insid
         assert words in refusal(read, value)
         assert 'give the file a name that ends with .xacro, or expand it' in refusal(read, value)
     assert words in refusal(world_file.read, str(path), {})
-    assert words in refusal(model_file.read, path.read_text(), 'm', lambda uri: None)
+    assert words in refusal(model_file.read, path.read_text(), 'm', lambda uri: None, Report())
 
 
 def test_old_xacro_that_nothing_expands_is_named():
@@ -135,13 +136,16 @@ def test_old_xacro_that_nothing_expands_is_named():
                     'expands only <xacro:include>')
     # makes nothing, and is left in what others expanded
     text = burger().replace('<link ', '<property name="a" value="1"/><link ', 1)
-    assert lumped(text).warnings == ()
+    report = Report()
+    lumped(text, report=report)
+    assert report.lines() == []
 
 
 def test_xacro_that_makes_nothing_is_a_warning():
     text = burger().replace('<link ', '<xacro:property name="a" value="1"/><link ', 1)
-    assert lumped(text).warnings == (
-        'it contains xacro (<xacro:property>), which is not expanded',)
+    report = Report()
+    lumped(text, report=report)
+    assert report.lines() == ['it contains xacro (<xacro:property>), which is not expanded']
 
 
 def test_the_namespace_of_xacro_alone_is_no_xacro(tmp_path):

@@ -5,6 +5,7 @@ import pytest
 
 from img_recog.formats import material_scripts, materials
 from img_recog.model import Material
+from img_recog.report import NOT_FOUND, Report
 
 SCRIPT = '''
 // material commented { technique { pass { diffuse 1 1 1 } } }
@@ -36,7 +37,8 @@ material lost { technique { pass { texture_unit { texture lost.png } diffuse .5 
 
 def read(inside, find=lambda uri: None, transparency=''):
     visual = ElementTree.fromstring('<visual name="v">{}{}</visual>'.format(inside, transparency))
-    return materials.of_sdf(visual, find)
+    report = Report()
+    return materials.of_sdf(visual, find, report), ''.join(report.of(NOT_FOUND))
 
 
 def script(name, *uris):

@@ -2,6 +2,7 @@
 import pytest
 
 from img_recog.formats import model_file
+from img_recog.report import Report
 from img_recog_helpers.refusals import refusal
 
 LINK = '<link name="{}"><visual><geometry><box size="1 1 1"/></geometry></visual></link>'
@@ -16,25 +17,26 @@ def nowhere(_):
 
 
 def test_sdf_model_gets_the_name_and_keeps_its_pose():
-    tree, = model_file.read(SDF.format(MODEL), 'goal', nowhere)
+    tree, = model_file.read(SDF.format(MODEL), 'goal', nowhere, Report())
     assert (tree.name, tree.fixed, tree.pose.translation.tolist()) == ('goal', True, [1, 2, 3])
 
 
 def test_included_model_gets_the_name(tmp_path):
     (tmp_path / 'model.sdf').write_text(SDF.format(MODEL))
     text = SDF.format('<include><uri>model://old</uri><name>other</name></include>')
-    tree, = model_file.read(text, 'goal', lambda uri: str(tmp_path) if 'old' in uri else None)
+    tree, = model_file.read(text, 'goal',
+                            lambda uri: str(tmp_path) if 'old' in uri else None, Report())
     assert (tree.name, tree.fixed) == ('goal', True)
 
 
 def test_urdf_can_move_unless_its_root_is_the_world():
     post = LINK.format('post').replace('</link>', MASS + '</link>')
-    tree, = model_file.read('<robot name="r">{}</robot>'.format(post), 'post', nowhere)
+    tree, = model_file.read('<robot name="r">{}</robot>'.format(post), 'post', nowhere, Report())
     assert (tree.name, tree.fixed) == ('post', False)
     assert tree.model.links[0].inertia.mass == 2.0
     text = ('<robot name="r"><link name="world"/>{}<joint name="j" type="fixed">'
             '<parent link="world"/><child link="post"/></joint></robot>'.format(post))
-    tree, = model_file.read(text, 'post', nowhere)
+    tree, = model_file.read(text, 'post', nowhere, Report())
     assert (tree.name, tree.fixed) == ('post', True)
 
 
@@ -63,14 +65,14 @@ def test_urdf_can_move_unless_its_root_is_the_world():
      'filename="package://a/b.dae"/>'
      '</geometry></visual></link></robot>', 'not supported: mesh package://a/b.dae')])
 def test_refusals_are_one_line(text, words):
-    assert words in refusal(model_file.read, text, 'm', nowhere)
+    assert words in refusal(model_file.read, text, 'm', nowhere, Report())
 
 
 @pytest.mark.parametrize('uri', ['model://sun/', 'model://lamp'])
 def test_only_a_light(tmp_path, uri):
     (tmp_path / 'model.sdf').write_text(SDF.format('<light name="lamp"/>'))
     text = SDF.format('<include><uri>{}</uri></include>'.format(uri))
-    assert refusal(model_file.read, text, 'm', lambda uri: str(tmp_path)) == (
+    assert refusal(model_file.read, text, 'm', lambda uri: str(tmp_path), Report()) == (
         'model m: it has only lights, which every world here has already; add a model that has a '
         '<link>')
 
@@ -78,7 +80,7 @@ def test_only_a_light(tmp_path, uri):
 @pytest.mark.parametrize('name', ['m', 'ground_plane'])
 def test_a_floor_is_a_model_like_others(name):
     text = SDF.format('<include><uri>model://ground_plane</uri></include>')
-    first, plane = model_file.read(text, name, nowhere)
+    first, plane = model_file.read(text, name, nowhere, Report())
     assert first.name == name and not first.model.is_plane and plane.model.is_plane
 
 
@@ -96,7 +98,7 @@ def test_a_floor_is_a_model_like_others(name):
 @pytest.mark.parametrize('text', [
     SDF.format(MODEL), '<robot name="r"><link name="world"/></robot>'])
 def test_names_that_are_refused(text, name, words):
-    assert refusal(model_file.read, text, name, nowhere).startswith(words)
+    assert refusal(model_file.read, text, name, nowhere, Report()).startswith(words)
 
 
 TEXTURE = '<material name="m"><texture filename="{}"/></material>'
@@ -108,13 +110,14 @@ def test_textures_of_urdfs_are_found(tmp_path, root):
     text = '<robot name="r">{}</robot>'.format(LINK.format(root).replace(
         '</visual>', TEXTURE + '</visual>').replace('</link>', MASS + '</link>'))
     tree, = model_file.read(text.format('package://p/a.png'), 'm',
-                            {'package://p/a.png': str(tmp_path / 'a.png')}.get)
+                            {'package://p/a.png': str(tmp_path / 'a.png')}.get, Report())
     look, = tree.model.links[0].looks
     assert look.material.texture == str(tmp_path / 'a.png')
-    warnings = []
-    model_file.read(text.format('package://p/b.png'), 'm', nowhere, warnings.append)
-    assert warnings == ['model m: not found, drawn in another color: texture package://p/b.png; '
-                        'build the packages and source their setup.bash']
+    report = Report()
+    model_file.read(text.format('package://p/b.png'), 'm', nowhere, report)
+    assert report.lines() == [
+        'model m: not found, drawn in another color: texture package://p/b.png; '
+        'build the packages and source their setup.bash']
 
 
 @pytest.mark.parametrize('text', [
@@ -122,17 +125,17 @@ def test_textures_of_urdfs_are_found(tmp_path, root):
     SDF.format('<model name="o"><link name="l"><inertial><inertia><ixx>1e-3</ixx></inertia>'
                '</inertial></link></model>')])
 def test_an_inertia_of_no_body_is_a_warning(text):
-    warnings = []
-    model_file.read(text, 'm', nowhere, warnings.append)
-    assert warnings == []
-    model_file.read(text.replace('1e-3', '3'), 'm', nowhere, warnings.append)
-    line, = warnings
+    report = Report()
+    model_file.read(text, 'm', nowhere, report)
+    assert report.lines() == []
+    model_file.read(text.replace('1e-3', '3'), 'm', nowhere, report)
+    line, = report.lines()
     assert line.startswith('model m: link l') and line.endswith('simulated with 1.33, 1.33, 2.67')
 
 
 def test_unusual_names():
     for name in ('a b', 'a/b', '\u00e4\u2603', '%s<&">', '\U0001f916' * 125):
-        tree, = model_file.read(SDF.format(MODEL), name, nowhere)
+        tree, = model_file.read(SDF.format(MODEL), name, nowhere, Report())
         assert tree.model.name == name
 
 

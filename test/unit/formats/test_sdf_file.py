@@ -4,7 +4,7 @@ import xml.etree.ElementTree as ElementTree
 import pytest
 
 from img_recog.formats import sdf_file, sdf_files
-from img_recog.formats.problems import Problems
+from img_recog.report import LEFT_OUT, Report
 from img_recog_helpers.sdf import BUILT_IN, sdf
 
 LINK = '<link name="l"><pose>0 0 1 0 0 0</pose></link>'
@@ -32,10 +32,10 @@ def include(uri, inside=''):
 
 def read(folder, *inside, find=lambda uri: None, problems=(), found=None):
     """Return the contents of a world; problems: the names of what is left out of it."""
-    path, found = folder / 'worlds' / 'hall.world', found or Problems()
+    path, found = folder / 'worlds' / 'hall.world', found or Report()
     contents = sdf_file.read(ElementTree.fromstring(sdf(*inside)), str(path), find, found)
-    assert [words for name, words in zip(found.names, problems) if words not in name] == []
-    assert len(found.names) == len(problems)
+    assert [words for name, words in zip(found.of(LEFT_OUT), problems) if words not in name] == []
+    assert len(found.of(LEFT_OUT)) == len(problems)
     return contents
 
 
@@ -109,7 +109,7 @@ def test_the_version_of_each_file_counts(folder):
 
 def test_a_model_file_is_a_world_with_the_floor(folder):
     root = ElementTree.fromstring('<sdf version="1.6"><model name="m">' + LINK + '</model></sdf>')
-    contents = sdf_file.read(root, str(folder / 'a.sdf'), lambda uri: None, Problems())
+    contents = sdf_file.read(root, str(folder / 'a.sdf'), lambda uri: None, Report())
     assert places(contents) == {'m': [0, 0, 1]}
     assert contents.gravity == sdf_file.GRAVITY and contents.has_floor
 
@@ -178,10 +178,10 @@ def test_too_many_included_models(folder, monkeypatch):
         model(folder / 'models' / str(number) / 'model.sdf', 'm', ''.join(include(
             'model://{}'.format(number + 1 if number < 29 else 'table'),
             '<name>{}</name>'.format(name)) for name in 'ab'))
-    problems = Problems()
+    problems = Report()
     sdf_file.read(ElementTree.fromstring(sdf(include('model://0'))), str(folder / 'worlds' / 'w'),
                   lambda uri: None, problems)
-    assert problems.names[0].startswith('it includes more than 200 models, at {}'.format(
+    assert problems.of(LEFT_OUT)[0].startswith('it includes more than 200 models, at {}'.format(
         folder / 'models'))
     many = ''.join(include('model://table', '<name>{}</name>'.format(number))
                    for number in range(120))
@@ -192,7 +192,7 @@ def test_what_included_files_ask_for_is_found_too(folder):
     plugin = '<plugin name="p" filename="lib{}.so"/>'
     model(folder / 'models' / 'table' / 'model.sdf', 'table', LINK.replace(
         '</link>', '<battery name="eye"/></link>') + plugin.format('b'))
-    problems = Problems()
+    problems = Report()
     read(folder, include('model://table'), found=problems)
     assert [each.text() for each in problems.findings] == [
         '<battery> of model table link l', 'plugin libb.so of model table']

@@ -126,7 +126,7 @@ def test_the_missing_look_of_a_road_and_its_name_are_told(tmp_path, read):
     (tmp_path / 'w.world').write_text(sdf(
         '<road><point>0 0 0</point><point>1 0 0</point><material><script><name>none</name>'
         '</script></material></road>'))
-    assert 'material none' in str(world_file.read(str(tmp_path / 'w.world'), {}).missing_looks)
+    assert 'material none' in str(world_file.read(str(tmp_path / 'w.world'), {}).findings)
     assert 'road has 0 points, expected 2 or more' in refusal(read, '<road/>')
 
 

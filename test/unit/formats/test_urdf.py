@@ -1,6 +1,7 @@
 """Shapes and materials of a URDF that are refused or not found; others: test_whole_models.py."""
 import pytest
 
+from img_recog.report import lines_of
 from img_recog.simulation.configured_model import from_urdf
 from img_recog_helpers.parsed import given
 from img_recog_helpers.refusals import refusal
@@ -13,9 +14,8 @@ def test_an_unknown_material_is_a_warning():
     tag = '<gazebo reference="base_link"><material>Gazebo/Plaid</material></gazebo>'
     found = from_urdf(burger('').replace('</robot>', tag + '</robot>'), 0.001,
                       lambda uri: None, 'robot.urdf')
-    assert found.warnings == (
-        'robot.urdf: not known or not found, of its materials: material Gazebo/Plaid; those links '
-        'keep their other color',)
+    assert lines_of(found.findings) == [
+        'robot.urdf: not found, drawn in another color: material Gazebo/Plaid']
 
 
 def robot(inside):
@@ -56,7 +56,7 @@ def test_sizes_of_zero_and_mirrored_meshes_are_allowed(tmp_path):
     shapes = ('<box size="0 1 1"/>', '<sphere radius="0"/>', '<cylinder radius="0" length="0"/>',
               '<mesh filename="{}" scale="-1 1 1"/>'.format(tmp_path / 'a.obj'))
     visuals = ''.join('<visual><geometry>{}</geometry></visual>'.format(each) for each in shapes)
-    assert assemble(urdf=robot(visuals), find_mesh=lambda uri: uri).warnings == ()
+    assert assemble(urdf=robot(visuals), find_mesh=lambda uri: uri).report.lines() == []
 
 
 def test_a_relative_path_of_a_mesh_becomes_absolute(monkeypatch, tmp_path):

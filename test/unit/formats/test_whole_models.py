@@ -5,13 +5,13 @@ import pytest
 
 from img_recog import model
 from img_recog.formats import sdf_file
-from img_recog.formats.problems import Problems
+from img_recog.report import Report
 from img_recog_helpers import expected, printed
 from img_recog_helpers.parsed import given, lumped
 from img_recog_helpers.sdf import sdf
 
-# of a WorldFile, what is printed apart, or is empty until problems are added
-APART = 'trees', 'lights', 'has_floor', 'missing_looks', 'left_out', 'findings'
+# of a WorldFile, what is printed apart, or is empty until findings are added
+APART = 'trees', 'lights', 'has_floor', 'findings'
 
 
 @pytest.fixture
@@ -33,16 +33,14 @@ def find(tmp_path):
 @pytest.mark.parametrize('name', ['sdf_models', 'sdf_shapes'])
 def test_of_an_sdf(find, tmp_path, name):
     def read(text):
-        problems = Problems()
+        report = Report()
         root = ElementTree.fromstring(text if text.startswith('<sdf') else sdf(text))
-        world = sdf_file.read(root, str(tmp_path / 'w.sdf'), find, problems)
+        world = sdf_file.read(root, str(tmp_path / 'w.sdf'), find, report)
         return '\n'.join([
             *printed.fields(world, *APART)[1:],
             *('light ' + printed.text(light) for light in world.lights),
             *(line for tree in world.trees for line in printed.tree(tree)),
-            *('left out: ' + problem for problem in problems.names),
-            *('not found: ' + look for look in problems.looks),
-            *('{}: {}'.format(finding.state, finding.text()) for finding in problems.findings)]
+            *printed.findings(report)]
         ).replace(str(tmp_path), '')
     expected.check_cases('models/{}.txt'.format(name), read)
 
@@ -50,9 +48,10 @@ def test_of_an_sdf(find, tmp_path, name):
 @pytest.mark.parametrize('name, read', [('urdf_links', given), ('urdf_robots', lumped)])
 def test_of_a_urdf(find, tmp_path, name, read):
     def robot(text):
-        model = read(text, find)
-        return '\n'.join(['robot ' + model.name, *printed.model(model)]).replace(
-            str(tmp_path), '')
+        report = Report()
+        model = read(text, find, report)
+        return '\n'.join(['robot ' + model.name, *printed.model(model),
+                          *printed.findings(report)]).replace(str(tmp_path), '')
     expected.check_cases('models/{}.txt'.format(name), robot)
 
 

@@ -5,6 +5,7 @@ from img_recog.conversions.sensor_table import SENSORS
 from img_recog.formats import drive_controllers, drive_tags, urdf
 from img_recog.formats.yaml_text import load_yaml
 from img_recog.model import Tag
+from img_recog.report import Report
 from img_recog.settings import setting_fields
 from img_recog.simulation.configured_model import settings_in_tag
 from img_recog.simulation.sensors import in_files
@@ -14,13 +15,13 @@ from img_recog_helpers import expected, printed
 
 def lines_of(tags, step_s):
     root = urdf.root_of('<robot name="r">{}</robot>'.format(tags))
-    drive = drive_tags.find(root, step_s)
-    values, sensors, problems = in_files.read(
+    report = Report()
+    drive = drive_tags.find(root, step_s, report)
+    values, sensors = in_files.read(
         [Tag(tag.get('reference', ''), tag) for tag in root.findall('gazebo')], step_s, SENSORS,
-        drive and drive.tags)
+        report, drive and drive.tags)
     if drive:
         yield 'drive: ' + printed.text(drive.values)
-        problems += drive.problems
     in_tags = sensors_of(SENSORS, sensors)
     of_sensors = {name for sensor in in_tags for name in sensor.values}
     yield from ('{}: {}'.format(name, printed.text(value)) for name, value in values.items()
@@ -31,7 +32,7 @@ def lines_of(tags, step_s):
             yield '{}: {}{}'.format(
                 sensor.name, ', '.join(printed.fields(sensor._replace(kind=None), 'number')[2:]),
                 ', lens ({})'.format(printed.text(lens)) if lens else '')
-    yield from ('not simulated: ' + problem for problem in problems)
+    yield from printed.findings(report)
 
 
 @pytest.mark.parametrize('name, step_s', [
@@ -50,12 +51,12 @@ def test_of_controllers():
     def lines(controllers):
         def find(namespace):
             return controllers
-        found = drive_controllers.find(robot, find, 0.001)
+        report = Report()
+        found = drive_controllers.find(robot, find, 0.001, report)
         if found:
             yield 'drive: ' + printed.text(found.values)
         yield 'joint states: ' + printed.text(drive_controllers.joint_states(robot, find, 0.001))
-        yield from ('not simulated: ' + each for each in (
-            found.problems if found else drive_controllers.not_simulated(robot, controllers)))
+        yield from printed.findings(report)
     expected.check_cases('models/controllers.txt', lambda text: '\n'.join(
         lines(drive_controllers.among(load_yaml(text.encode()), ''))))
 

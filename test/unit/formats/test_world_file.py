@@ -4,8 +4,8 @@ import pybullet
 import pytest
 
 from img_recog.formats import world_file
-from img_recog.formats.problems import Problems
 from img_recog.formats.world_file import WorldFile
+from img_recog.report import LEFT_OUT, LIFTED, Report, lines_of
 from img_recog.model import BOX, Model, Shape
 from img_recog.simulation import assembly
 from img_recog.simulation.physics.client import connect
@@ -45,14 +45,14 @@ def extent(body):
 
 def test_world_by_name():
     file = world_file.read('turtlebot3_world', WORLDS)
-    assert (file.name, len(file.trees), file.warnings) == ('turtlebot3_world', 1, ())
+    assert (file.name, len(file.trees), file.findings) == ('turtlebot3_world', 1, ())
     body, = build(file).bodies
     assert (body.name, body.fixed) == ('turtlebot3_world', True)
 
 
 def test_empty_world_is_the_floor():
     file = world_file.read('empty', WORLDS)
-    assert file == WorldFile('empty', (), (0.0, 0.0, -9.8), (), True, None)
+    assert file == WorldFile('empty', (), (0.0, 0.0, -9.8), True, None)
     world = build(file)
     assert world.scenery == [] and world.floor.name == 'ground_plane'
     assert pybullet.getNumBodies(physicsClientId=world.physics_client_id) == 1
@@ -61,8 +61,9 @@ def test_empty_world_is_the_floor():
 def test_what_is_not_simulated_is_warned_of(read):
     file = read(sdf(BUILT_IN, '<plugin name="wind" filename="libwind.so"/>',
                     '<include><uri>model://none</uri></include>'), allow_partial=True)
-    assert [line.split(': ', 1)[1] for line in file.warnings] == [
-        'loaded without: model://none', 'not simulated: plugin libwind.so of world default']
+    assert [line.split(': ', 1)[1] for line in lines_of(file.findings)] == [
+        'not simulated: plugin libwind.so of world default',
+        'loaded without: model://none; set GAZEBO_MODEL_PATH to the folders of the models']
 
 
 def test_urdf_by_path_stays_where_it_is(read):
@@ -70,7 +71,7 @@ def test_urdf_by_path_stays_where_it_is(read):
     file = read('<robot name="hall"><link name="floating"><inertial><origin xyz="0 0 3"/>'
                 '<mass value="1"/><inertia ixx="1" ixy="0" ixz="0" iyy="1" iyz="0" izz="1"/>'
                 '</inertial>{}</link></robot>'.format(box), 'hall.urdf')
-    assert (file.name, file.warnings) == ('hall', ())
+    assert (file.name, file.findings) == ('hall', ())
     world = build(file)
     before = world.scenery[0].pose()
     world.step(500)
@@ -88,7 +89,7 @@ def test_what_starts_in_the_floor_is_lifted_onto_it_at_rest(read):
         '2 0 -0.3 0 0 0').replace('crate', 'low'), CRATE.format(
             '4 0 0.097 0 0 0').replace('crate', 'high'),
         SHELF.replace('1 2 1 0 0 0', '1 2 0 0 0 0'))))
-    assert world.lifted == {'crate': pytest.approx(0.1), 'low': pytest.approx(0.4)}
+    assert world.report.of(LIFTED) == ['crate by 0.100 m', 'low by 0.400 m']
     heights = [body.pose().position[2] for body in world.scenery]
     assert heights == pytest.approx([0.1, 0.1, 0.097, 0.0], abs=1e-6)
     highest = 0.0
@@ -117,7 +118,7 @@ def test_mesh_beside_the_world_file_by_its_path_or_found_elsewhere(read, tmp_pat
     file = read(sdf('<model name="peak"><static>1</static><pose>0 0 5 0 0 0</pose><link name="l">'
                     + shape + '</link></model>'), find={'model://peak': str(peak)}.get)
     solid, = file.trees[0].model.links[0].solids
-    assert file.warnings == () and solid.shape.path == str(peak)
+    assert file.findings == () and solid.shape.path == str(peak)
 
 
 @pytest.mark.parametrize('text, name', [
@@ -137,8 +138,8 @@ def test_missing_mesh_is_refused_and_by_request_its_collision_shape_is_seen(read
     assert line.endswith('hall.world: not found, or not supported: mesh model://shelf/a.dae'
                          + ADVICE)
     file = read(lost, allow_partial=True)
-    warning, = file.warnings
-    assert warning.endswith('hall.world: loaded without: mesh model://shelf/a.dae')
+    warning, = lines_of(file.findings)
+    assert 'hall.world: loaded without: mesh model://shelf/a.dae; set GAZEBO_MODEL' in warning
     seen, = file.trees[0].model.links[0].looks
     assert seen.shape == Shape(BOX, (0.8, 0.8, 0.2))
     # for the physics, visuals would cost time and memory
@@ -173,14 +174,15 @@ def test_advice_says_what_can_help(read, inside, name, advice):
     assert refusal(read, sdf(inside)).endswith(
         'not supported: {}; {}add allow_partial_world:=true to load the rest'.format(name, advice))
     assert refusal(read, sdf(inside), option='--all').endswith('add --all to load the rest')
-    assert read(sdf(inside), allow_partial=True).warnings[0].endswith('loaded without: ' + name)
+    lines = lines_of(read(sdf(inside), allow_partial=True).findings)
+    assert any('loaded without: ' + name in line for line in lines)
 
 
 @pytest.mark.parametrize('name, advice', [
     ('Shop/Plaid', '; set GAZEBO_MODEL_PATH to the folders of the models'), ('Gazebo/Plaid', '')])
 def test_a_look_that_is_missing_is_a_warning(read, name, advice):
     file = read(sdf(SHELF.replace('</link>', SCRIPT.format(name) + '</link>')))
-    warning, = file.warnings
+    warning, = lines_of(file.findings)
     assert warning.endswith(': not found, drawn in another color: material ' + name + advice)
 
 
@@ -190,7 +192,8 @@ def test_missing_mesh_of_a_urdf_is_refused_or_replaced(read):
             '</robot>')
     assert 'mesh a.dae' in refusal(read, text, 'w.urdf')
     file = read(text, 'w.urdf', allow_partial=True)
-    assert 'loaded without: mesh a.dae' in file.warnings[0] and file.trees[0].model.links[0].looks
+    assert 'loaded without: mesh a.dae' in lines_of(file.findings)[0]
+    assert file.trees[0].model.links[0].looks
 
 
 def test_textures_and_materials_of_a_urdf(read, tmp_path):
@@ -202,7 +205,7 @@ def test_textures_and_materials_of_a_urdf(read, tmp_path):
     assert tree.model.links[0].looks[0].material.texture == str(tmp_path / 'a.png')
     tree, = read(text.format('a.png', 'Gazebo/Red'), 'w.urdf').trees
     assert tree.model.links[0].looks[0].material.color == (1, 0, 0, 1)
-    warning, = read(text.format('b.png', ''), 'w.urdf').warnings
+    warning, = lines_of(read(text.format('b.png', ''), 'w.urdf').findings)
     assert warning.endswith('w.urdf: not found, drawn in another color: texture b.png')
 
 
@@ -253,17 +256,17 @@ def test_what_cannot_be_loaded_is_left_out_by_request(read, tmp_path):
     broken = file.trees[0]._replace(name='broken', model=Model('r', ()))
     file = file._replace(trees=(broken, broken._replace(first=False), file.trees[0]._replace(
         first=False), file.trees[1]))
-    problems = Problems()
-    world = World(PhysicsSettings(), file, connect(), problems)
+    report = Report()
+    world = World(PhysicsSettings(), file, connect(), report)
     assert [body.name for body in world.scenery] == ['shelf', 'crate']
     # the rest of the model is one
     assert [tree.first for tree in world.trees] == [True, True]
-    model, mesh = problems.names
+    model, mesh = report.of(LEFT_OUT)
     assert model.startswith('model broken: PyBullet cannot load it as URDF (')
     assert mesh.startswith('cannot read the mesh {}: '.format(tmp_path / 'a.stl'))
     low, high = extent(world.scenery[0])
     assert high - low == pytest.approx([0.8, 0.8, 0.2], abs=0.05)
-    warning, = assembly.build(PhysicsSettings(allow_partial_world=True), file, []).warnings
+    warning, = assembly.build(PhysicsSettings(allow_partial_world=True), file, []).report.lines()
     assert warning.startswith('world hall: loaded without: model broken: PyBullet')
     line = refusal(assembly.build, PhysicsSettings(), file, [])
     assert line.startswith('world hall: not found, or not supported: model broken: ')

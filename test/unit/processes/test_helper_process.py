@@ -41,6 +41,11 @@ def write(connection, memory, value):
     memory[0] = value
 
 
+def close_and_exit(connection, delay_s):
+    connection.close()
+    time.sleep(delay_s)
+
+
 def hang(connection):
     """Neither read the connection nor end."""
     connection.send(os.getpid())
@@ -70,8 +75,7 @@ def test_it_runs_its_target_and_exits_when_it_is_to_end(start):
 def test_what_only_a_new_process_can_get(start):
     memory = multiprocessing.get_context('spawn').RawArray('B', 1)
     helper = start(write, (7,), 0, (memory,))
-    wait_for(lambda: helper.wait() is not None, 'its exit')
-    assert helper.end() == 0
+    assert helper.wait() == helper.end() == 0
     assert memory[0] == 7
 
 
@@ -112,8 +116,7 @@ def test_ctrl_c_does_not_end_it(start):
 
 def test_a_defect_in_the_target_gives_another_exit_code(start):
     helper = start(operator.methodcaller('no_such_method'), (), 0)
-    wait_for(lambda: helper.wait() is not None, 'its exit')
-    assert helper.wait() == 1 and helper.end() == 1
+    assert helper.wait() == helper.end() == 1
 
 
 def test_one_that_is_killed(start):
@@ -124,13 +127,18 @@ def test_one_that_is_killed(start):
     assert helper.wait() == helper.end() == -signal.SIGKILL
 
 
+def test_a_busy_machine_has_time_for_the_exit_of_one_that_ends_by_itself(start, impatient):
+    helper = start(close_and_exit, (1.0,), 0)
+    with pytest.raises(EOFError):
+        receive(helper)
+    assert helper.wait() == 0
+
+
+@pytest.mark.parametrize('end', [HelperProcess.end, lambda helper: helper.wait(0.2)])
 @pytest.mark.parametrize('is_stopped', [False, True])
-def test_one_that_hangs_or_is_stopped_is_killed(start, impatient, is_stopped):
+def test_one_that_hangs_or_is_stopped_is_killed(start, impatient, is_stopped, end):
     helper = start(hang, (), 0)
     pid = receive(helper)
     if is_stopped:
         os.kill(pid, signal.SIGSTOP)
-    assert helper.wait() is None
-    helper.end()
-    wait_for(lambda: helper.wait() is not None, 'its exit')
-    assert helper.wait() == -signal.SIGKILL
+    assert end(helper) == -signal.SIGKILL

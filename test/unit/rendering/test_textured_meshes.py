@@ -44,7 +44,7 @@ def seen(tmp_path):
     def colors(inside, *places, mesh='a.dae'):
         (tmp_path / 'm.sdf').write_text(MODEL.format(inside).replace('a.dae', mesh))
         file = world_file.read(str(tmp_path / 'm.sdf'), {})
-        assert file.warnings == ()
+        assert file.findings == ()
         look, = file.trees[0].model.links[0].looks
         image = draw(Visual(0, look.shape, look.pose.matrix(), *look[2:]), pose=looking_down(4.0))
         scale = 160 / np.tan(np.radians(30)) / 4        # pixels for a meter

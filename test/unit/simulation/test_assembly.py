@@ -3,6 +3,7 @@
 import pytest
 
 from img_recog.conversions.sensor_table import SENSORS
+from img_recog.report import lines_of
 from img_recog.simulation.configured_model import from_urdf
 from img_recog.simulation.sensors.odometry import OdometrySettings
 from img_recog.simulation.simulation_settings import RobotSettings
@@ -30,10 +31,10 @@ def test_robot_with_its_tags_and_warnings():
                                 'wheel_separation': 0.3, 'odometry_period_s': pytest.approx(0.02),
                                 'joint_states_period_s': pytest.approx(0.02),
                                 'drive_period_s': pytest.approx(0.02)}
-    mesh, tag = robot.warnings
-    assert mesh.startswith('robot.urdf: mesh not found') and 'package://lost/x.stl' in mesh
+    mesh, tag = lines_of(robot.findings)
+    assert mesh.startswith('robot.urdf: loaded without: mesh ') and 'package://lost/x.stl' in mesh
     assert tag.startswith('robot.urdf: ') and tag.endswith('plugin liblamp.so')
-    assert read(burger()).warnings == ()
+    assert lines_of(read(burger()).findings) == []
 
 
 def test_tags_of_links_that_are_not_there_are_not_used():
@@ -44,9 +45,10 @@ def test_tags_of_links_that_are_not_there_are_not_used():
     tags = ''.join(sensor.format(name) for name in ('camera_link', 'lost', 'loose', 'lost'))
     robot = read(burger('').replace('</robot>', loose + tags + '</robot>'))
     assert [camera.camera_frame for camera in robot.cameras] == ['camera_link']
-    assert robot.warnings[0].startswith('robot.urdf: link loose can move (joint loose_joint) but')
-    assert robot.warnings[1:] == (
-        'robot.urdf: not used: the <gazebo> tag, as there is no such link, of lost, loose',)
+    assert lines_of(robot.findings) == [
+        'robot.urdf: not simulated: link loose with joint loose_joint and all that is joined to '
+        'it; it can move but has no mass, so it is left out as in Gazebo; give it an <inertial>',
+        'robot.urdf: not used: the <gazebo> tag, as there is no such link, of lost, loose']
 
 
 @pytest.mark.parametrize('odometry, origin', [('world', (0.0, 0.0, 0.0)),
@@ -75,14 +77,14 @@ def test_simulator_and_scene_of_the_world_and_the_robot():
     assert [tree.name for tree in built.scene.trees] == [
         'turtlebot3_world', 'turtlebot3_burger']
     assert built.scene.world.name == 'turtlebot3_world'
-    assert built.warnings == ()
+    assert built.report.lines() == []
 
 
 def test_sensors_without_a_link_are_warned_of_unless_unused():
     urdf, unused = burger(UNIT), ('imu', 'scan')
-    assert assemble(urdf=urdf).warnings == (
-        'turtlebot3_burger runs without the sensor imu: no link torso',)
-    assert assemble(urdf=urdf, unused_sensors=unused).warnings == ()
+    assert assemble(urdf=urdf).report.lines() == [
+        'robot_description: not simulated: sensor imu: no link torso']
+    assert assemble(urdf=urdf, unused_sensors=unused).report.lines() == []
     simulator = assemble(urdf=urdf).simulator
     robot, = simulator.robots
     assert robot.missing_sensors == {'imu': 'torso'} and simulator.advance(400) == []
@@ -95,20 +97,20 @@ def test_sensors_without_a_link_are_warned_of_unless_unused():
 @pytest.mark.parametrize('option_name, names', [
     (str, 'x_pos, y_pos, z_pos'), (str.upper, 'X_POS, Y_POS, Z_POS')])
 def test_overlap_at_the_start_names_the_options(option_name, names):
-    warning, = assemble('turtlebot3_world', 0.0, 0.1, option_name=option_name).warnings
+    warning, = assemble('turtlebot3_world', 0.0, 0.1, option_name=option_name).report.lines()
     assert warning.startswith('turtlebot3_burger in turtlebot3_world: ')
     assert warning.endswith('set ' + names)
 
 
 def test_warnings_of_the_world_file_come_first():
     world = sdf('<include><uri>model://table</uri></include>')
-    warnings = assemble(world, urdf=burger(UNIT), allow_partial=True).warnings
+    warnings = assemble(world, urdf=burger(UNIT), allow_partial=True).report.lines()
     assert len(warnings) == 3 and 'model://table' in warnings[0] and 'imu' in warnings[1]
 
 
 def test_warns_of_what_was_lifted_out_of_the_floor():
-    assert assemble(sdf(BUILT_IN, CRATE.format('2 0 0 0 0 0'))).warnings == (
-        'world hall: at the start in the floor, and lifted onto it: crate by 0.100 m',)
+    assert assemble(sdf(BUILT_IN, CRATE.format('2 0 0 0 0 0'))).report.lines() == [
+        'world hall: in the floor at the start, and lifted onto it: crate by 0.100 m']
 
 
 @pytest.mark.parametrize('value, words', [
@@ -121,12 +123,16 @@ def test_text_that_cannot_be_used_is_refused_with_its_source(value, words):
         'cannot use the robot in robot.urdf: ' + words)
 
 
+SET_JOINT = ('set left_joint to the joint of a wheel; one that moves nothing with an <inertial> '
+             'is left out')
+
+
 @pytest.mark.parametrize('urdf, joint, words', [
     (burger(), 'axle', 'the robot has no movable joint axle (movable joints: wheel_left_joint, '
-     'wheel_right_joint); set left_joint to the joint of a wheel'),
+     'wheel_right_joint); ' + SET_JOINT),
     (burger().replace('value="0.02849894"', 'value="0"', 1), 'wheel_left_joint',
-     'left_joint: joint wheel_left_joint is left out, because what it moves has no mass; add an '
-     '<inertial> to that link')])
+     'the robot has no movable joint wheel_left_joint (movable joints: wheel_right_joint); '
+     + SET_JOINT)])
 def test_robot_that_does_not_fit_its_settings_is_refused_with_its_source(urdf, joint, words):
     assert refusal(assemble, urdf=urdf, drive=burgers_drive(left_joint=joint)) == (
         'cannot use the robot in robot_description: ' + words)
@@ -146,7 +152,7 @@ def test_the_controllers_of_a_robot_are_asked_for_once():
 def test_robots_in_one_place_are_one_line():
     urdf = burger('')
     robots = [read(urdf.replace('turtlebot3_burger', name)) for name in ('one', 'two')]
-    warnings = build('empty', robots).warnings
+    warnings = build('empty', robots).report.lines()
     assert [line for line in warnings if 'overlap' in line] == [
         'one in two: they overlap at the start, and the physics will throw them apart; set '
         'x_pos, y_pos, z_pos']

@@ -27,7 +27,7 @@ class Run:
     def __init__(self, world=CRATES):
         self.simulator = assemble(world).simulator
         self.lines = []
-        self.simulator.warn = self.lines.append
+        self.simulator.world.report.listen(self.lines.append)
         self.bodies = {body.name: body for body in self.simulator.world.scenery}
         self.robot = self.simulator.robots[0].body
 

@@ -6,6 +6,7 @@ import pybullet
 import pytest
 
 from img_recog.formats import model_file
+from img_recog.report import Report
 from img_recog.simulation.models import Models, State
 from img_recog.simulation.pictures.visual_scene import Parts
 from img_recog.simulation.sensors.odometry import OdometrySettings
@@ -224,7 +225,7 @@ def test_added_model_is_simulated_seen_and_removed():
     sim = simulator(yaw=0.0)
     models = Models(sim)
     ball = State((2.0, 1.0, 0.0), (0.0, 0.0, 0.0, 0.0), REST, REST)
-    models.add('ball', model_file.read(BALL, 'ball', nowhere), ball)
+    models.add('ball', model_file.read(BALL, 'ball', nowhere, Report()), ball)
     assert models.names == ['ground_plane', ROBOT, 'ball']
     assert models.state('ball').position == close((2, 1, 0.5))
     sim.advance(1500)
@@ -242,7 +243,7 @@ def test_added_model_is_simulated_seen_and_removed():
 
 def test_added_model_stands_in_the_frame_of_another():
     models = Models(simulator(x=1.0, yaw=math.pi / 2))
-    models.add('ball', model_file.read(BALL, 'ball', nowhere),
+    models.add('ball', model_file.read(BALL, 'ball', nowhere, Report()),
                State((1.0, 0.0, 0.0), UPRIGHT, REST, REST), ROBOT)
     assert models.state('ball').position == pytest.approx([1, 1, 0.5], abs=1e-3)
     assert models.state('ball').orientation == pytest.approx(LEFT, abs=1e-3)
@@ -255,7 +256,8 @@ def test_added_model_stands_in_the_frame_of_another():
 def test_refused_model_is_not_added(name, state, frame, words):
     sim = simulator()
     models, revision = Models(sim), sim.world.revision
-    assert words in refusal(models.add, name, model_file.read(BALL, name, nowhere), state, frame)
+    ball = model_file.read(BALL, name, nowhere, Report())
+    assert words in refusal(models.add, name, ball, state, frame)
     assert models.names == ['ground_plane', ROBOT] and sim.world.revision == revision
     assert sim.world.scenery == []
 
@@ -267,7 +269,7 @@ def test_model_that_pybullet_cannot_load_leaves_nothing(tmp_path):
     models = Models(sim)
     bodies = pybullet.getNumBodies(physicsClientId=sim.world.physics_client_id)
     assert 'model ball: cannot read the mesh' in refusal(
-        models.add, 'ball', model_file.read(text, 'ball', nowhere), GOOD)
+        models.add, 'ball', model_file.read(text, 'ball', nowhere, Report()), GOOD)
     assert models.names == ['ground_plane', ROBOT]
     assert pybullet.getNumBodies(physicsClientId=sim.world.physics_client_id) == bodies
 

@@ -6,6 +6,7 @@ import pytest
 from img_recog.conversions.sensor_table import SENSORS
 from img_recog.formats import world_file
 from img_recog.formats.world_file import WorldFile
+from img_recog.report import lines_of
 from img_recog.simulation import assembly
 from img_recog.simulation.models import Models
 from img_recog.simulation.simulation_settings import PhysicsSettings
@@ -80,14 +81,14 @@ def test_cameras_are_named_by_their_sensors():
 
 
 @pytest.mark.parametrize('inside, words', [
-    (SENSOR.format('s', 'gps', ''), 'not simulated, of model m: sensor gps'),
+    (SENSOR.format('s', 'gps', ''), 'model m: not simulated: sensor gps'),
     (SENSOR.format('s', 'ray', RAY + PLUGIN.format('other')),
-     'not simulated, of model m: plugin libother.so'),
+     'model m: not simulated: plugin libother.so'),
     (SENSOR.format('s', 'ray', RAY.replace('>3<', '>x<')),
-     "cannot use the robot in model m: <ray/scan/horizontal/samples> of sensor s: got 'x', "
-     'expected a whole number; its sensors are not simulated')])
+     'model m: not simulated: its sensors; cannot use the robot in model m: '
+     "<ray/scan/horizontal/samples> of sensor s: got 'x', expected a whole number")])
 def test_what_of_sensors_is_not_simulated_is_said(inside, words):
-    assert build(EYE.format(inside)).warnings == (words,)
+    assert build(EYE.format(inside)).report.lines() == [words]
 
 
 def test_a_sensor_with_a_plugin_that_publishes_is_not_bare():
@@ -126,5 +127,5 @@ def test_a_bumper_and_a_depth_camera_of_a_model_of_a_world():
     camera, = built.simulator.sensors[0].spec.cameras
     assert (camera.camera_width, camera.camera_x, camera.camera_depth_topic) == (
         32, 0.1, 'depth/image_raw')
-    assert file.warnings == (
-        'world w.sdf: not simulated: plugin libgazebo_ros_p3d.so of world default model m',)
+    assert lines_of(file.findings) == [
+        'world w.sdf: not simulated: plugin libgazebo_ros_p3d.so of world default model m']

@@ -5,6 +5,7 @@ import numpy as np
 import pybullet
 import pytest
 
+from img_recog.report import Report
 from img_recog.simulation import assembly
 from img_recog_helpers import sdf
 from img_recog_helpers.refusals import refusal
@@ -91,7 +92,7 @@ def test_scanners_of_different_numbers_of_rays_are_read_together():
     sim = several([], 'empty')
     for name, x, samples in (('a', 0.0, 360), ('b', 1.0, 720), ('c', -1.0, 360)):
         assembly.add_robot(sim, spec(name, x, 0.0, scan=burgers(
-            'scan', scan_samples=samples, scan_noise=0.0)))
+            'scan', scan_samples=samples, scan_noise=0.0)), Report())
     found = scans(sim)
     assert [len(found[name]) for name in 'abc'] == [360, 720, 360]
     assert found['a'][0] == pytest.approx(0.96, abs=0.004)
@@ -113,7 +114,7 @@ def test_places_are_free_and_inside_of_the_walls():
     sim = several([])
     for number in range(16):
         assembly.add_robot_apart(sim, spec('tb3_{}'.format(number), -2.0, -0.5, 0.3,
-                                           has_place=False))
+                                           has_place=False), Report())
     assert sim.overlaps() == []
     found = np.array([robot.body.motion().position[:2] for robot in sim.robots])
     assert found[0] == pytest.approx([-2.0, -0.5], abs=1e-6)
@@ -134,9 +135,10 @@ def test_no_place_is_refused_and_leaves_nothing():
         0.6 * math.cos(turn), 0.6 * math.sin(turn), turn), sdf.box(0.1, 1.3, 1))
         for turn in np.arange(4) * math.pi / 2)
     sim = several([], sdf.sdf(sdf.BUILT_IN, sdf.model('cell', *walls, static=True)))
-    assembly.add_robot_apart(sim, spec('a', 0.0, 0.0, has_place=False))
+    assembly.add_robot_apart(sim, spec('a', 0.0, 0.0, has_place=False), Report())
     count = pybullet.getNumBodies(physicsClientId=sim.world.physics_client_id)
-    assert refusal(assembly.add_robot_apart, sim, spec('b', 0.0, 0.0, has_place=False)).startswith(
+    refused = spec('b', 0.0, 0.0, has_place=False)
+    assert refusal(assembly.add_robot_apart, sim, refused, Report()).startswith(
         'cannot use the robot in b: there is no free place for it near x 0 m, y 0 m')
     assert len(sim.robots) == 1
     assert pybullet.getNumBodies(physicsClientId=sim.world.physics_client_id) == count
@@ -145,7 +147,7 @@ def test_no_place_is_refused_and_leaves_nothing():
 def test_a_search_that_begins_in_a_wall_is_refused():
     sim = several([])
     assert 'x 0 m, y 0.1 m, where the search for a free place begins, is too near to a wall' in (
-        refusal(assembly.add_robot_apart, sim, spec('a', 0.0, 0.1, has_place=False)))
+        refusal(assembly.add_robot_apart, sim, spec('a', 0.0, 0.1, has_place=False), Report()))
     assert sim.robots == []
 
 
@@ -161,7 +163,7 @@ STEP = sdf.sdf(sdf.BUILT_IN, sdf.body('step', '-1.25', sdf.box(2, 4, 0.16), stat
 def test_places_are_the_nearest_in_all_directions(world, start, offsets):
     sim = several([], world)
     for number in range(len(offsets)):
-        assembly.add_robot_apart(sim, spec(str(number), *start, has_place=False))
+        assembly.add_robot_apart(sim, spec(str(number), *start, has_place=False), Report())
     spawns = [each.settings.spawn for each in sim.robots]
     assert [(each.x_pos - start[0], each.y_pos - start[1]) for each in spawns] == offsets
 
@@ -169,9 +171,9 @@ def test_places_are_the_nearest_in_all_directions(world, start, offsets):
 @pytest.mark.parametrize('place, other', [((-2.0, -0.45), 'a'), ((0.0, 0.1), 'turtlebot3_world')])
 def test_a_given_place_inside_of_something_is_refused(place, other):
     sim = several([])
-    assembly.add_robot_apart(sim, spec('a', -2.0, -0.5))
+    assembly.add_robot_apart(sim, spec('a', -2.0, -0.5), Report())
     assert 'would start inside of ' + other in refusal(
-        assembly.add_robot_apart, sim, spec('b', *place))
+        assembly.add_robot_apart, sim, spec('b', *place), Report())
     assert [robot.body.name for robot in sim.robots] == ['a']
 
 
@@ -181,7 +183,8 @@ def test_a_robot_that_fails_leaves_nothing():
         physicsClientId=sim.world.physics_client_id), sim.world.revision
     for urdf, nearest in ((burger('').replace('wheel_left_joint', 'axle'), 0.1), (burger(), 4.0)):
         robot = spec('b', 1.0, 1.0, urdf=urdf, scan=burgers('scan', scan_range_min=nearest))
-        assert refusal(assembly.add_robot, sim, robot).startswith('cannot use the robot in b: ')
+        assert refusal(assembly.add_robot, sim, robot, Report()).startswith(
+            'cannot use the robot in b: ')
     assert pybullet.getNumBodies(physicsClientId=sim.world.physics_client_id) == count
     assert len(sim.robots) == 1 and sim.world.revision == revision
 
@@ -208,7 +211,7 @@ def test_the_scan_shows_a_robot_that_replaced_another_with_the_same_id():
     old, revision = sim.robots[1].body.body_id, sim.world.revision
     sim.world.remove(sim.robots[1])
     without_scanner = burger().replace('radius="0.055"', 'radius="0.01"')
-    assembly.add_robot(sim, spec('tb3_1', 1.0, 0.0, urdf=without_scanner))
+    assembly.add_robot(sim, spec('tb3_1', 1.0, 0.0, urdf=without_scanner), Report())
     assert sim.robots[1].body.body_id == old and sim.world.revision == revision + 2
     assert scans(sim)['tb3_0'][0] == pytest.approx(before + 0.045, abs=0.003)
 
@@ -216,6 +219,6 @@ def test_the_scan_shows_a_robot_that_replaced_another_with_the_same_id():
 def test_a_world_without_robots_runs_and_takes_one_later():
     sim = several([], 'empty')
     assert sim.advance(50) == [] and sim.time_s == pytest.approx(0.05)
-    assembly.add_robot(sim, spec('late', 0.0, 0.0))
+    assembly.add_robot(sim, spec('late', 0.0, 0.0), Report())
     times = [each.time_s for each in sim.advance(50) if each.sensor == 'odometry']
     assert times == pytest.approx([0.066, 0.099])

@@ -47,15 +47,15 @@ from img_recog.nodes.gazebo.link_services import LinkServices
 from img_recog.nodes.gazebo.lockstep import Lockstep
 from img_recog.nodes.gazebo.lockstep_settings import LockstepSettings
 from img_recog.nodes.gazebo.model_services import ModelServices
+from img_recog.nodes.gazebo.model_topics import WORLD_FRAME, WorldTopics
 from img_recog.nodes.gazebo.outlines import Outlines
 from img_recog.nodes.gazebo.physics_services import RuntimeSettings, ServiceCalls, serve_physics
 from img_recog.nodes.gazebo.robot_reader import (ROBOTS, RobotReader, RobotsSettings,
                                                  robot_settings_classes)
 from img_recog.nodes.gazebo.robot_updates import RobotUpdates
-from img_recog.nodes.gazebo.robots import WORLD_FRAME, Robots
 from img_recog.nodes.gazebo.simulation_diagnostics import SimulationDiagnostics
-from img_recog.nodes.gazebo.static_transforms import StaticTransforms
 from img_recog.nodes.gazebo.stepping import Stepping, SteppingSettings
+from img_recog.nodes.gazebo.transforms import StaticTransforms
 from img_recog.nodes.gazebo.waiting import Waiting
 from img_recog.ros import lifecycle, parameters
 from img_recog.ros.diagnostics import NodeDiagnostics
@@ -89,10 +89,10 @@ class Gazebo:
         single = None if which.several_robots else reader.single()
         built = assemble.simulator(physics, [] if single is None else [single],
                                    with_sensors=True, with_drives=True)
-        for warning in built.warnings:
-            rospy.logwarn('%s', warning)
+        for line in built.report.lines():
+            rospy.logwarn('%s', line)
         self._simulator = built.simulator
-        self._simulator.warn = lambda line: rospy.logwarn('%s', line)
+        built.report.listen(lambda line: rospy.logwarn('%s', line))
         self._pace = Pace(physics.real_time_factor)
         if stepping.paused:
             self._pace.pause()
@@ -105,24 +105,24 @@ class Gazebo:
         statics, models = StaticTransforms(), Models(self._simulator)
         self._images = Images(self._simulator, view, statics, lockstep=self._lockstep,
                               wake=self._calls.wake)
-        self._robots = Robots(self._simulator, models, self._images, statics, self._calls,
-                              which.world_tf, self._lockstep)
+        self._topics = WorldTopics(self._simulator, models, self._images, statics, self._calls,
+                                   which.world_tf, self._lockstep)
         if self._lockstep is None:      # else commands come in simulated time
-            self._robots.scale_timeouts(timeout_scale(physics.real_time_factor))
-        self._waiting = Waiting(self._simulator, self._images, self._robots, self._lockstep)
+            self._topics.scale_timeouts(timeout_scale(physics.real_time_factor))
+        self._waiting = Waiting(self._simulator, self._images, self._topics, self._lockstep)
         frame, origin = WORLD_FRAME, PlanePose(0.0, 0.0, 0.0)
         of_world = self._simulator.models
         if single is None:
-            RobotUpdates(self._robots, reader, self._calls)
+            RobotUpdates(self._topics, reader, self._calls)
         else:
             robot = self._simulator.robots[0]       # before those of the file of the world
             of_world.remove(robot)
-            self._robots.connect(robot)
+            self._topics.connect(robot)
             frame, origin = robot.odometry.odom_frame, PlanePose(*robot.odometry_origin)
             if self._lockstep is not None:
                 self._lockstep.check(robot.sensor_kinds)
         for model in of_world:
-            self._robots.connect_of_file(model)
+            self._topics.connect_of_file(model)
         if self._lockstep is not None:
             self._lockstep.subscribe()
         self._reconfigurable = Reconfigurable(
@@ -134,20 +134,20 @@ class Gazebo:
                           model_services.MISSING)
         else:
             self._states = (
-                ModelServices(self._simulator, models, self._robots, reader, self._calls,
+                ModelServices(self._simulator, models, self._topics, reader, self._calls,
                               self._pace, lambda factor: self._reconfigurable.
                               update_configuration({'real_time_factor': factor})),
                 LinkServices(self._simulator, models, self._calls))
         self._outlines = Outlines(self._simulator, frame, origin)
         self._diagnostics = SimulationDiagnostics(self._pace, self._calls)
-        self._robots.use_diagnostics(NodeDiagnostics('simulation', 'none', self._report))
+        self._topics.use_diagnostics(NodeDiagnostics('simulation', 'none', self._report))
         if single is None:
             rospy.loginfo('simulating %d robots in world %s', len(self._simulator.robots),
                           physics.world)
         else:
             rospy.loginfo('simulating %.4f kg with root link %s in world %s',
                           robot.body.mass(), robot.body.root, physics.world)
-            self._robots.log_start(robot)
+            self._topics.log_start(robot)
         # last: who finds ~step takes it that all topics are there, like img_recog.testing
         self._stepping = Stepping(self._calls, self._simulator, self._pace)
 
@@ -182,8 +182,9 @@ class Gazebo:
         Returns the simulated time in s: less if a step by hand or the wait for others begins.
         """
         begin_s, begin = time.perf_counter(), self._simulator.steps
-        self._waiting.apply_commands()
-        self._robots.disable_unused()
+        if self._waiting.take_commands():
+            self._topics.apply_commands()
+        self._topics.disable_unused()
         self._images.enable_cameras()
         end = (begin // self._clock_steps + periods) * self._clock_steps
         if self._stepping.end is not None:
@@ -201,7 +202,7 @@ class Gazebo:
         # the clock first, so that no reading is stamped in the future
         self._clock.flush()
         self._waiting.expect(readings)
-        self._images.draw(readings, lambda: self._robots.publish(readings))
+        self._images.draw(readings, lambda: self._topics.publish(readings))
         self._diagnostics.steps.add(
             (time.perf_counter() - begin_s) * self._clock_steps / (end - begin))
         return (end - begin) * self._simulator.world.step_s
@@ -227,7 +228,7 @@ class Gazebo:
     def _report(self, status: DiagnosticStatusWrapper) -> None:
         """Fill in the status of /diagnostics; runs in its thread and only reads."""
         self._diagnostics.report(status, self._simulator.time_s)
-        self._robots.report(status)
+        self._topics.report(status)
         self._images.report(status)
 
     def _configure(self, settings: RuntimeSettings) -> None:
@@ -237,7 +238,7 @@ class Gazebo:
         if factor != self._pace.wanted:
             self._pace.set_wanted(factor)
             if self._lockstep is None:      # else commands come in simulated time
-                self._robots.scale_timeouts(timeout_scale(factor))
+                self._topics.scale_timeouts(timeout_scale(factor))
 
     def _reset_world(self) -> None:
         self._waiting.discard_commands()

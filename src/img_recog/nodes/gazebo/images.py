@@ -11,7 +11,7 @@ from img_recog.errors import UserError
 from img_recog.nodes.gazebo.camera_topics import CameraTopics, optical_transform
 from img_recog.nodes.gazebo.image_process import ImageProcess
 from img_recog.nodes.gazebo.lockstep import Lockstep
-from img_recog.nodes.gazebo.static_transforms import StaticTransforms
+from img_recog.nodes.gazebo.transforms import StaticTransforms
 from img_recog.nodes.gazebo.view_topic import ViewTopic
 from img_recog.rendering.server import Picture, Shot
 from img_recog.simulation.mounted_sensors import MountedSensors, Reading

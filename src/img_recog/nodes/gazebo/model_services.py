@@ -16,11 +16,12 @@ from img_recog.errors import SimulationError, UserError, one_line
 from img_recog.formats import allowed_names, drive_tags, model_file
 from img_recog.loading import resources
 from img_recog.model import Tree
+from img_recog.nodes.gazebo.model_topics import WorldTopics
 from img_recog.nodes.gazebo.physics_services import RuntimeSettings, ServiceCalls
 from img_recog.nodes.gazebo.robot_reader import RobotReader
-from img_recog.nodes.gazebo.robots import Robots
 from img_recog.ros.log.throttle import ThrottledWarning
 from img_recog.rotations import Transform
+from img_recog.report import Report
 from img_recog.simulation.models import LINK_SEPARATOR, WORLD, Models
 from img_recog.simulation.pacing import Pace
 from img_recog.simulation.simulation_settings import SpawnSettings
@@ -52,11 +53,12 @@ class ModelServices:
     Must be created only when nothing is MISSING.
     """
 
-    def __init__(self, simulator: Simulator, models: Models, robots: Robots, reader: RobotReader,
-                 calls: ServiceCalls, pace: Pace, set_factor: Callable[[float], Any]):
+    def __init__(self, simulator: Simulator, models: Models, topics: WorldTopics,
+                 reader: RobotReader, calls: ServiceCalls, pace: Pace,
+                 set_factor: Callable[[float], Any]):
         """Advertise. set_factor: sets the real time factor."""
         self._set_factor = set_factor
-        self._simulator, self._models, self._robots = simulator, models, robots
+        self._simulator, self._models, self._topics = simulator, models, topics
         self._reader, self._calls, self._pace = reader, calls, pace
         self._states = rospy.Publisher('~model_states', ModelStates, queue_size=10)
         self._warn = ThrottledWarning()
@@ -122,7 +124,10 @@ class ModelServices:
         if self._reader.is_robot(request.model_xml, request.robot_namespace.strip('/')):
             add = self._robot_adder(name, request, state, frame)
         else:
-            trees = model_file.read(request.model_xml, name, resources.find, rospy.logwarn)
+            report = Report()
+            trees = model_file.read(request.model_xml, name, resources.find, report)
+            for line in report.lines():
+                rospy.logwarn('%s', line)
             if drive_tags.is_driven(trees[0].model):
                 add = self._sdf_robot_adder(trees[0], request, state, frame)
             else:
@@ -135,7 +140,7 @@ class ModelServices:
                          frame: str) -> Callable[[], None]:
         pose = self._calls.call(lambda: self._models.pose_in_world(state, frame)) @ tree.pose
         self._start(pose)
-        return partial(self._robots.add, self._reader.spawned_sdf(
+        return partial(self._topics.add, self._reader.spawned_sdf(
             tree._replace(pose=pose), request.robot_namespace.strip('/')))
 
     def _robot_adder(self, name: str, request: Any, state: State,
@@ -143,11 +148,11 @@ class ModelServices:
         """Return what adds a robot that has a drive: it gets topics in its namespace."""
         allowed_names.check_model(name)
         pose = self._calls.call(lambda: self._models.pose_in_world(state, frame))
-        return partial(self._robots.add, self._reader.spawned(
+        return partial(self._topics.add, self._reader.spawned(
             name, request.model_xml, request.robot_namespace.strip('/'), self._start(pose)))
 
     def _add(self, name: str, trees: Sequence[Tree], state: State, frame: str) -> None:
-        self._robots.add_sensors(self._models.add(name, trees, state, frame, rospy.logwarn))
+        self._topics.add_sensors(self._models.add(name, trees, state, frame))
 
     @staticmethod
     def _start(pose: Transform) -> SpawnSettings:
@@ -160,7 +165,7 @@ class ModelServices:
         return SpawnSettings(x_pos=x, y_pos=y, z_pos=z, yaw=yaw)
 
     def _delete(self, request: Any) -> Response:
-        self._calls.call(partial(self._robots.remove, request.model_name))
+        self._calls.call(partial(self._topics.remove, request.model_name))
         rospy.loginfo('deleted the model %s', request.model_name)
         return {}
 

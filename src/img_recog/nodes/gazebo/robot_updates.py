@@ -7,9 +7,9 @@ import rospy
 from std_srvs.srv import Trigger, TriggerRequest, TriggerResponse
 
 from img_recog.errors import UserError, one_line
+from img_recog.nodes.gazebo.model_topics import WorldTopics
 from img_recog.nodes.gazebo.physics_services import ServiceCalls
 from img_recog.nodes.gazebo.robot_reader import RobotReader
-from img_recog.nodes.gazebo.robots import Robots
 from img_recog.simulation.configured_model import ConfiguredModel
 
 
@@ -20,9 +20,9 @@ class RobotUpdates:
     line for each one that fails: NAME: REASON.
     """
 
-    def __init__(self, robots: Robots, reader: RobotReader, calls: ServiceCalls):
+    def __init__(self, topics: WorldTopics, reader: RobotReader, calls: ServiceCalls):
         """Add the robots and advertise; the loop must not run yet."""
-        self._robots, self._reader, self._calls = robots, reader, calls
+        self._topics, self._reader, self._calls = topics, reader, calls
         self._made: Dict[str, Tuple[Any, ...]] = {}     # from what each robot was made
         self._said: Dict[str, str] = {}                 # why a robot is not there
         self._lock = threading.Lock()
@@ -58,7 +58,7 @@ class RobotUpdates:
 
     def _make(self, name: str, call: Callable[[Callable[[], None]], Any]) -> None:
         snapshot = self._reader.snapshot(name)
-        if self._made.get(name) == snapshot and name in self._robots:
+        if self._made.get(name) == snapshot and name in self._topics:
             return
         spec = self._reader.named(name)      # before the one of that name is removed
         call(lambda: self._replace(spec, snapshot))
@@ -67,10 +67,10 @@ class RobotUpdates:
         """Add a robot; like `_remove` in what simulates, so that a late call is complete too."""
         if spec.name in self._made:
             self._remove(spec.name)
-        self._robots.add(spec)
+        self._topics.add(spec)
         self._made[spec.name] = snapshot
 
     def _remove(self, name: str) -> None:
         self._made.pop(name, None)
-        if name in self._robots:
-            self._robots.remove(name)
+        if name in self._topics:
+            self._topics.remove(name)

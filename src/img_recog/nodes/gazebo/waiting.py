@@ -6,7 +6,7 @@ import rospy
 
 from img_recog.nodes.gazebo.images import Images
 from img_recog.nodes.gazebo.lockstep import Lockstep
-from img_recog.nodes.gazebo.robots import Robots
+from img_recog.nodes.gazebo.model_topics import WorldTopics
 from img_recog.nodes.gazebo.standing_report import StandingReport
 from img_recog.simulation.simulator import Simulator
 from img_recog.simulation.mounted_sensors import Reading
@@ -22,9 +22,9 @@ class Waiting:
     commands are always due. All methods are for the thread that simulates.
     """
 
-    def __init__(self, simulator: Simulator, images: Images, robots: Robots,
+    def __init__(self, simulator: Simulator, images: Images, topics: WorldTopics,
                  lockstep: Optional[Lockstep]):
-        self._simulator, self._images, self._robots = simulator, images, robots
+        self._simulator, self._images, self._topics = simulator, images, topics
         self._lockstep = lockstep
         self._has_begun, self._is_reset = False, False
         self._report = StandingReport()
@@ -53,17 +53,18 @@ class Waiting:
             return True
         return False
 
-    def apply_commands(self) -> None:
-        """Apply the commands that are due: in lockstep, once after the answers."""
-        if self._lockstep is None or self._is_due:
-            if self._is_reset:      # they are out of date
-                self._robots.discard_commands()
-            self._robots.apply_commands()
-            self._is_due = self._is_reset = False
+    def take_commands(self) -> bool:
+        """Return whether commands are due: in lockstep, once after the answers."""
+        if self._lockstep is not None and not self._is_due:
+            return False
+        if self._is_reset:      # they are out of date
+            self._topics.discard_commands()
+        self._is_due = self._is_reset = False
+        return True
 
     def discard_commands(self) -> None:
         """Drop the commands that were not applied yet, and in lockstep those that will answer."""
-        self._robots.discard_commands()
+        self._topics.discard_commands()
         self._is_reset = self._lockstep is not None and self._is_due
 
     def restart(self) -> None:
@@ -97,7 +98,7 @@ class Waiting:
             return
         self._is_due = True
         self._lockstep.expect(
-            answered[-1].time_s, self._robots.namespaces({each.robot for each in answered}),
-            self._robots.namespaces())
+            answered[-1].time_s, self._topics.namespaces({each.robot for each in answered}),
+            self._topics.namespaces())
         if all(each.kind != CAMERA for each in answered):
             self._lockstep.notify_sent()

@@ -22,8 +22,8 @@ _SAFE_METHODS = ('GET', 'HEAD')
 _ENTER = ('<!doctype html><html lang="en"><meta charset="utf-8"><title>img_recog</title>'
           '<meta http-equiv="refresh" content="0;url={0}"><a href="{0}">img_recog</a></html>')
 _ROBOT = re.compile('[A-Za-z][A-Za-z0-9_/]{0,255}')
-_REFUSAL = ('This page needs the address with the token that the terminal shows after it has '
-            'started: http://.../?token=...\n')
+_REFUSAL = ('This page needs the address with the token. The terminal of the demo shows it now: '
+            'http://.../?token=...\n')
 
 
 class Authentication:
@@ -34,14 +34,18 @@ class Authentication:
     """
 
     def __init__(self, app: ASGIApp, token: str, port: int,
-                 failed: Callable[[Exception], None]):
+                 failed: Callable[[Exception], None], remind: Callable[[], None]):
         """Guard `app`.
 
-        port: of the page, as browsers share cookies between ports. failed: is called with an
-        error of `app`, unless the visitor was gone by then.
+        Args:
+            app: Application that is guarded.
+            token: Token that a visitor needs.
+            port: Port of the page, as browsers share cookies between ports.
+            failed: Called with an error of `app`, unless the visitor was gone by then.
+            remind: Called if a visitor opens the page without the token.
         """
         self._app, self._token, self._cookie = app, token, 'img_recog_{}'.format(port)
-        self._failed = failed
+        self._failed, self._remind = failed, remind
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
         """Serve a connection."""
@@ -69,7 +73,8 @@ class Authentication:
         """Return what is answered in place of the application, None for who may pass."""
         is_http, query = request.scope['type'] == 'http', request.query_params
         if not _is_foreign(request):
-            if is_http and request.scope['path'] == '/' and 'token' in query:
+            is_page = is_http and request.scope['path'] == '/'
+            if is_page and 'token' in query:
                 if self._is_token(query['token']):
                     admit(request.scope)
                     return self._entrance(query.get('robot', ''))
@@ -77,6 +82,8 @@ class Authentication:
                     request.headers.get('cookie', ''), self._cookie))):
                 admit(request.scope)
                 return None
+            if is_page:
+                self._remind()
         # closing a WebSocket before it is accepted answers 403
         return PlainTextResponse(_REFUSAL, 403) if is_http else WebSocketClose(_REFUSED)
 

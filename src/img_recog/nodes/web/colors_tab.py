@@ -6,32 +6,12 @@ from typing import Any, Dict, List, Optional
 
 from nicegui import ui
 
-from img_recog.nodes.web import sample_card
 from img_recog.nodes.web.page_elements import (
     OneCall, Slider, Visit, button, card, numbers, paragraph, picture)
 from img_recog.nodes.web.sample_card import SampleCard
 from img_recog.nodes.web.tuning import ColorTuning, color_names_in
 from img_recog.recognition.fitting.samples import NO_COLOR
 
-TEXTS = {
-    'colors': ('Colors', '色'),
-    'hue_min': ('Lowest hue (0 to 180)', '色相の下限 (0〜180)'),
-    'hue_max': ('Highest hue (0 to 180)', '色相の上限 (0〜180)'),
-    'saturation_min': ('Lowest saturation (0 to 255)', '彩度の下限 (0〜255)'),
-    'saturation_max': ('Highest saturation (0 to 255)', '彩度の上限 (0〜255)'),
-    'value_min': ('Lowest value (0 to 255)', '明度の下限 (0〜255)'),
-    'value_max': ('Highest value (0 to 255)', '明度の上限 (0〜255)'),
-    'area_limit': ('Command above (pixels)', '指令を出す面積の下限（画素数）'),
-    'linear_x': ('Speed (m/s)', '速度 (m/s)'),
-    'angular_z': ('Turn rate (rad/s)', '旋回速度 (rad/s)'),
-    'touched': ('The picture of the chosen color is shown. Touching its sliders chooses it, too.',
-                '選んだ色の画像が表示されます。スライダに触れても、その色が選ばれます。'),
-    'save': ('Save as a file', 'ファイルに保存'),
-    'undo': ('Undo', '元に戻す'),
-    'saved': ('Saved. To use it: ./run demo colors:={}', '保存しました。使い方: ./run demo colors:={}'),
-    'no_recognition': ('The node color_extract does not answer.',
-                       'ノード color_extract が応答しません。'),
-    **sample_card.TEXTS}
 # of each color: the end of the parameter's name, the least and greatest value, and the step
 _SLIDERS = (
     ('hue_min', 0, 180, 1), ('hue_max', 0, 180, 1), ('saturation_min', 0, 255, 1),

@@ -13,10 +13,6 @@ from img_recog.graph.reader import SystemReader
 from img_recog.graph.system import System, visible
 from img_recog.nodes.web.page_elements import Visit
 
-TEXTS = {
-    'graph': ('Graph', 'グラフ'),
-    'leaves': ('Topics without subscribers too', '購読されていないトピックも表示'),
-    'graph_label': ('Graph of nodes and topics', 'ノードとトピックのグラフ')}
 _PERIOD_S = 1.0         # a graph that was read is shown to all pages for this time
 _LIGHT = dot.Colors('transparent', '#111827', '#ffffff', '#eff6ff', '#b91c1c')
 _DARK = dot.Colors('transparent', '#e5e7eb', '#1f2937', '#1e3a5f', '#f87171')

@@ -9,55 +9,6 @@ from img_recog.nodes.web import drive_picture, simulation_service
 from img_recog.nodes.web.page_elements import (
     OneCall, Slider, Visit, button, card, numbers, paragraph, picture, wait_for)
 
-TEXTS = {
-    'live': ('Live', 'ライブ'),
-    'map': ('Map', '地図'),
-    'map_help': ('Click: move the robot here. Drag: also set its heading.',
-                 'クリック: ロボットをここへ移動。ドラッグ: 向きも指定。'),
-    'map_label': ('Map of the world with robot, path and laser scan; x is up',
-                  'ロボット、経路、レーザスキャンを示す地図（上が x）'),
-    'position': ('Position', '位置'),
-    'heading': ('Heading', '向き'),
-    'drive': ('Drive', '操縦'),
-    'drive_help': ('Hold a button, or the keys W A X D or the arrows; S stops. Let go to '
-                   'stop.',
-                   'ボタン、または W A X D・矢印キーを押している間だけ動きます。S は停止です。'
-                   '離すと止まります。'),
-    'colors_again': ('0.5 s later, the colors command again.',
-                     'その 0.5 秒後に、色による指令に戻ります。'),
-    'forward': ('Forward', '前進'),
-    'backward': ('Backward', '後退'),
-    'left': ('Turn left', '左旋回'),
-    'right': ('Turn right', '右旋回'),
-    'stop': ('Stop', '停止'),
-    'joystick': ('Joystick: drag to drive', 'ジョイスティック: ドラッグして操縦'),
-    'max_linear': ('Highest speed (m/s)', '最高速度 (m/s)'),
-    'max_angular': ('Highest turn rate (rad/s)', '最高旋回速度 (rad/s)'),
-    'areas': ('Areas of the colors (pixels, logarithmic); dashed: limits',
-              '色の面積（画素数、対数目盛）。破線はしきい値'),
-    'speeds': ('Speed (m/s)', '速度 (m/s)'),
-    'asked': ('asked', '指令'),
-    'driven': ('driven', '実際'),
-    'cut_off': (': {} to {}, cut off at the edge', ': {}〜{}（枠で切り捨て）'),
-    'seconds': ('Time (s); now is 0', '時間 (秒)、現在は 0'),
-    'simulation': ('Simulation', 'シミュレーション'),
-    'pause': ('Pause', '一時停止'),
-    'paused': ('paused', '一時停止中'),
-    'resume': ('Resume', '再開'),
-    'reset_world': ('Back to the start', 'スタートに戻す'),
-    'viewpoint': ('Viewpoint', '視点'),
-    'above': ('from above', '上から'),
-    'follow': ('behind the robot', 'ロボットの後ろから'),
-    'factor': ('Real time factor', '実時間比'),
-    'measured_factor': ('Measured real time factor', '実時間比の実測値'),
-    'fastest': ('as fast as possible', '最速'),
-    'record': ('Record', '記録'),
-    'stop_recording': ('Stop recording', '記録を終了'),
-    'recording_to': ('Recording to {}', '{} に記録中'),
-    'recorded': ('Recorded: {}', '記録しました: {}'),
-    'drive_picture': ('Picture of the drive', '走行の図'),
-    'busy': ('Another page drives or has stopped the robot: let go, and press again.',
-             '別のページがロボットを操縦しているか停止させました。一度離してから、もう一度押してください。')}
 _FACTORS = (0.25, 0.5, 1.0, 2.0, 5.0, 0.0)
 # readable on a light and on a dark card
 _CHART_TEXT, _CHART_LINES = '#8b919c', '#8b919c44'

@@ -12,9 +12,6 @@ from img_recog.nodes.web.measurements import Topic
 from img_recog.nodes.web.page_elements import Visit
 from img_recog.nodes.web.updates import Updates
 
-TEXTS = {
-    'log': ('Log', 'ログ'),
-    'level': ('From level', '表示する最低レベル')}
 _REPEAT_S = 1.0         # lines of a level that differ only in numbers are sent once in this time
 _MAX_KEPT = 100         # of each level, for a page that is opened now
 _MAX_LINES = 1000       # whose times are known

@@ -5,18 +5,6 @@ from nicegui import ui
 
 from img_recog.nodes.web.page_elements import Visit, card, numbers, paragraph, wait_for
 
-TEXTS = {
-    'navigation': ('Navigation', 'ナビゲーション'),
-    'navigation_help': (
-        'Click: a goal. Drag: where the robot is and its heading, for a localization. x is up.',
-        'クリック: 目標。ドラッグ: 自己位置推定に、ロボットの位置と向きを教えます。上が x。'),
-    'navigation_label': ('The map with robot, laser scan and plan; x is up',
-                         'ロボット、レーザスキャン、経路計画を示す地図（上が x）'),
-    'no_place': ('The place of the robot in the map is not known: nobody publishes the transform '
-                 'from the frame of the map to that of the odometry.',
-                 '地図でのロボットの位置が分かりません。地図の座標系からオドメトリの座標系への変換が'
-                 '配信されていません。')}
-
 
 def add(visit: Visit) -> None:
     """Add the elements of the tab."""

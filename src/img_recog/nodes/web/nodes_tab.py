@@ -11,12 +11,6 @@ from img_recog.nodes.web.page_elements import Visit
 from img_recog.nodes.web.updates import MAX_STATES, Updates
 from img_recog.ros.log.throttle import ThrottledWarning
 
-TEXTS = {
-    'nodes': ('Nodes', 'ノード'),
-    'node': ('Node', 'ノード'),
-    'state': ('State', '状態'),
-    'rates': ('Rates', '周波数')}
-
 
 def add(visit: Visit) -> None:
     """Add the elements of the tab."""

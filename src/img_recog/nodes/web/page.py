@@ -37,7 +37,7 @@ def build(app: FastAPI, shared: Shared) -> None:
         language = page_texts.language_of(request.headers.get('accept-language', ''))
         robot = await run.io_bound(shared.robots.get, request.query_params.get('robot', ''))
         pictures = await run.io_bound(robot.picture_topics)
-        _Page(Visit(shared, robot, texts_in(language), pictures))
+        _Page(Visit(shared, robot, Texts(language), pictures))
         _keep_few(waiting, ui.context.client)
 
     ui.run_with(app, title='img_recog', dark=None, tailwind=False, reconnect_timeout=5.0)
@@ -52,11 +52,6 @@ def _keep_few(waiting: List[Client], client: Client) -> None:
     waiting[:] = [each for each in waiting if each.id in Client.instances] + [client]
     if len(waiting) > _MAX_WAITING:
         waiting.pop(0).delete()
-
-
-def texts_in(language: str) -> Texts:
-    """Return the texts of the page and of all tabs."""
-    return Texts(language, page_texts.COMMON, *(tab.texts for tab in TABS))
 
 
 class _Page:

@@ -1,23 +1,13 @@
-"""The texts of the page in English and Japanese."""
-from typing import Any, Dict, Mapping, Tuple
+"""The texts of the page in English and Japanese, from page_texts.txt."""
+import pathlib
+from typing import Any, Dict
+
+from img_recog.command_line.messages import entries
 
 LANGUAGES = ('en', 'ja')
 DEFAULT = 'en'
-TextTable = Mapping[str, Tuple[str, str]]       # by their keys: English, Japanese
-# of all tabs; the others are in the modules of the tabs
-COMMON: TextTable = {
-    'title': ('img_recog: a camera drives a robot', 'img_recog: カメラでロボットを動かす'),
-    'robot': ('Robot', 'ロボット'),
-    'camera': ('Camera', 'カメラ'),
-    'mask': ('{}: recognized pixels', '{}: 認識した画素'),
-    'view': ('Simulator', 'シミュレータ'),
-    'robot_camera': ('Camera of the robot', 'ロボットのカメラ'),
-    'no_image': ('no image yet', '画像がまだありません'),
-    'age': ('last image {} s ago', '最後の画像は {} 秒前'),
-    'connected': ('connected', '接続中'),
-    'disconnected': ('not connected', '未接続'),
-    'connection_lost': ('Connection lost.', '接続が切れました。'),
-    'reconnecting': ('Trying to reconnect...', '再接続しています...')}
+# by their keys, in the order of LANGUAGES
+TABLE = {key: texts for key, *texts in entries(pathlib.Path(__file__).with_suffix('.txt'))}
 
 
 def language_of(accepted: str) -> str:
@@ -38,12 +28,11 @@ def language_of(accepted: str) -> str:
 class Texts:
     """The texts in a language, one of LANGUAGES. all: by their keys."""
 
-    def __init__(self, language: str, *tables: TextTable):
+    def __init__(self, language: str):
         """Choose the texts of the language."""
         column = LANGUAGES.index(language)
         self.language = language
-        self.all: Dict[str, str] = {key: pair[column] for table in tables
-                                    for key, pair in table.items()}
+        self.all: Dict[str, str] = {key: texts[column] for key, texts in TABLE.items()}
 
     def __call__(self, key: str, *values: Any) -> str:
         """Return a text, with these values in it."""

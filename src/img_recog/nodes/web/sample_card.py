@@ -15,31 +15,6 @@ from img_recog.recognition.fitting.marked import SAMPLES_FILE
 from img_recog.recognition.fitting.offers import Offer
 from img_recog.recognition.fitting.samples import NO_COLOR
 
-TEXTS = {
-    'samples': ('Samples', 'サンプル'),
-    'mark': ('Choose a color above, then click an object of it in the camera picture, or drag a '
-             'rectangle. The picture stands still: mark all objects of all colors in it.',
-             '上で色を選び、カメラ画像でその色の物体をクリックするか、四角形をドラッグします。'
-             '画像は静止します。その中の、すべての色のすべての物体に印を付けてください。'),
-    'no_color': ('none of them', 'どれでもない'),
-    'rest': ('Everything else in these pictures has none of the colors',
-             'これらの画像の残りの部分は、どの色でもない'),
-    'sample': ('{}: {}, {} pixels', '{}: {}、{} 画素'),
-    'remove': ('Remove sample {}', 'サンプル {} を削除'),
-    'freeze': ('Hold the picture', '画像を止める'),
-    'live_picture': ('Live picture', 'ライブ画像に戻る'),
-    'save_samples': ('Save the samples', 'サンプルを保存'),
-    'saved_samples': ('Saved. To fit the colors to more pictures: ./run shell rosrun img_recog '
-                      'fit_colors.py {0} --samples {0}/{1}',
-                      '保存しました。ほかの画像も使って範囲を求めるには: ./run shell rosrun img_recog '
-                      'fit_colors.py {0} --samples {0}/{1}'),
-    'searching': ('Searching for bounds...', '範囲を計算中...'),
-    'offered': ('{}: hue {} to {}, saturation {} to {}, value {} to {}. Within: {:.1%} of the '
-                'marked pixels, {:.2%} of the others.',
-                '{}: 色相 {}〜{}、彩度 {}〜{}、明度 {}〜{}。範囲内の画素: 印を付けた部分の {:.1%}、'
-                'その他の {:.2%}。'),
-    'use': ('Use for {}', '{} に使う')}
-
 
 class SampleCard:
     """The card of one visitor. All visitors share the samples; each has a picture of their own."""

@@ -47,12 +47,13 @@ from img_recog.processes import bag_recording
 from img_recog.processes.bag_recording import BagRecording, RecordingSwitch
 from img_recog.ros import lifecycle, parameters
 from img_recog.ros.diagnostics import NodeDiagnostics
-from img_recog.ros.log.throttle import ThrottledWarning
+from img_recog.ros.log.throttle import Throttle, ThrottledWarning
 from img_recog.ros.master import master
 from img_recog.teleoperation.teleop_settings import VelocityLimits
 
 _POLL_PERIOD_S = 0.5
 _START_TIMEOUT_S, _QUIET_S = 10.0, 1.5
+_REMINDER_PERIOD_S = 5.0
 _TRY_AGAIN = 1013               # a close code of IANA's registry of WebSocket close codes
 
 
@@ -78,8 +79,10 @@ class Web:
         report_errors(self._warn_of)
         token = secrets.token_urlsafe(16)
         self._address = address(sock, token)
-        self._server = Server(Authentication(self._application(), token, port, self._warn_of),
-                              sock, self._fail)
+        reminder = Throttle(_REMINDER_PERIOD_S)
+        self._server = Server(Authentication(
+            self._application(), token, port, self._warn_of,
+            lambda: self._show_address() if reminder.ready() else None), sock, self._fail)
         NodeDiagnostics('web', 'none', self._report)
 
     def _application(self) -> FastAPI:
@@ -106,9 +109,7 @@ class Web:
         """Serve the page until the node is shut down."""
         _wait_for_other_nodes()
         self._robots.update()
-        # not in the log, which others can read: it has the token
-        sys.stdout.write('the page: {}\n'.format(self._address))
-        sys.stdout.flush()
+        self._show_address()
         try:
             while not rospy.is_shutdown():
                 if self._failure is not None:
@@ -119,6 +120,11 @@ class Web:
                 time.sleep(_POLL_PERIOD_S)
         finally:
             self._server.close()
+
+    def _show_address(self) -> None:
+        # not in the log, which others can read: it has the token
+        sys.stdout.write('the page: {}\n'.format(self._address))
+        sys.stdout.flush()
 
     def _warn_of(self, error: Exception) -> None:
         self._warn('the page failed: %s: %s', type(error).__name__, one_line(error))

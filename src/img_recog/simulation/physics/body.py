@@ -16,7 +16,7 @@ Vector = Sequence[float]
 
 # rad/s. At its default of 100, which the command of 10 m/s exceeds, PyBullet cuts the speed of the
 # wheels, while their motors go on and turn the robot over.
-_MAX_JOINT_VELOCITY = 1e5
+MAX_JOINT_VELOCITY = 1e5
 _REST = (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)
 
 
@@ -134,7 +134,7 @@ class Body:
         # of the whole body; in a call that sets something of a link, these would make PyBullet
         # set that of the root link
         pybullet.changeDynamics(self.body_id, -1, linearDamping=0, angularDamping=0,
-                                maxJointVelocity=_MAX_JOINT_VELOCITY, **self.client)
+                                maxJointVelocity=MAX_JOINT_VELOCITY, **self.client)
 
     @property
     def static_links(self) -> Set[int]:
@@ -211,7 +211,8 @@ class Body:
         """
         pybullet.setJointMotorControl2(
             self.body_id, self.joints[joint], pybullet.VELOCITY_CONTROL, force=limit,
-            targetVelocity=possible_speed(velocity), **self.client)
+            targetVelocity=max(-MAX_JOINT_VELOCITY, min(velocity, MAX_JOINT_VELOCITY)),
+            **self.client)
 
     def set_joint(self, joint: str, position: float) -> None:
         """Put a joint at a position in rad or m, at rest."""
@@ -278,11 +279,6 @@ class Body:
         arm = np.subtract(self.center()[0], self.pose().position)
         at_center = np.array(linear) + np.cross(angular, arm)
         pybullet.resetBaseVelocity(self.body_id, at_center.tolist(), list(angular), **self.client)
-
-
-def possible_speed(velocity: float) -> float:
-    """Return the velocity of a joint, in rad/s or m/s, nearest to one that is asked for."""
-    return max(-_MAX_JOINT_VELOCITY, min(velocity, _MAX_JOINT_VELOCITY))
 
 
 def relative(position: Vector, orientation: Quaternion, origin: Vector,

@@ -18,9 +18,9 @@ from img_recog.formats.inertias import INERTIA_KEYS
 from img_recog.formats.meshes import mesh_file
 from img_recog.formats.meshes.mesh_file import MeshError
 from img_recog.formats.numbers import words
-from img_recog.formats.problems import Problems
 from img_recog.model import (BOX, CAPSULE, CYLINDER, MESH, PLANE, SPHERE, Inertia, Joint, Link,
                              Look, Material, Model, Shape, Solid)
+from img_recog.report import LEFT_OUT, Report
 from img_recog.rotations import IDENTITY, Transform
 from img_recog.simulation.physics import mesh_cache
 from img_recog.simulation.physics.collision_filters import has_spaces
@@ -36,14 +36,14 @@ _ATTRIBUTES = {CYLINDER: ('radius', 'length'), CAPSULE: ('radius', 'length'),
 
 
 def load(model: Model, physics_client_id: int, fixed: bool = False, pose: Transform = IDENTITY,
-         visuals: bool = False, problems: Optional[Problems] = None,
+         visuals: bool = False, report: Optional[Report] = None,
          exact_hulls: bool = False) -> int:
     """Load a model; return its body's id.
 
     fixed: whether the root link never moves; pose: of the root link in the world; visuals: whether
     to load the looks as well, which only a window needs; those with a mesh that cannot be read are
-    left out. problems: to which is added what is left out because a mesh of a solid cannot be
-    read, which is an error without. exact_hulls: whether the convex hulls of meshes are as large
+    left out. report: gets what is left out because a mesh of a solid cannot be read, which is an
+    error without. exact_hulls: whether the convex hulls of meshes are as large
     as the meshes, and not 1 mm larger on each side.
     Raises SimulationError when PyBullet cannot load it, or would crash.
     """
@@ -56,7 +56,7 @@ def load(model: Model, physics_client_id: int, fixed: bool = False, pose: Transf
     with tempfile.TemporaryDirectory(prefix='img_recog_') as folder:    # for meshes of looks
         robot = ElementTree.Element('robot', name=model.name)
         for link in model.links:
-            solids = list(_solids(link, problems, exact_hulls))
+            solids = list(_solids(link, report, exact_hulls))
             # without any, PyBullet shows the collision shapes, and reads their meshes again
             looks = list(_looks(link, folder) if visuals else ()) or [_NOTHING]
             _add_link(robot, link._replace(solids=tuple(solids), looks=tuple(looks)))
@@ -69,7 +69,7 @@ def load(model: Model, physics_client_id: int, fixed: bool = False, pose: Transf
                 flags=_URDF_FLAGS | pybullet.URDF_USE_SELF_COLLISION * has_spaces(model))
 
 
-def _solids(link: Link, problems: Optional[Problems], exact_hulls: bool) -> Iterator[Solid]:
+def _solids(link: Link, report: Optional[Report], exact_hulls: bool) -> Iterator[Solid]:
     """Yield the solids of a link, with meshes from the cache."""
     for solid in link.solids:
         try:
@@ -77,9 +77,9 @@ def _solids(link: Link, problems: Optional[Problems], exact_hulls: bool) -> Iter
                 solid = solid._replace(shape=solid.shape._replace(
                     path=mesh_cache.cached(solid.shape.path, solid.shape.submesh)))
         except SimulationError as error:
-            if problems is None:
+            if report is None:
                 raise
-            problems.add(error.problem, error.advice)
+            report.add(LEFT_OUT, error.problem, advice=error.advice)
             continue
         if exact_hulls and solid.shape.kind == MESH and not solid.is_concave:
             solid = _shrunk(solid)

@@ -9,6 +9,7 @@ from typing import Iterator, Sequence
 import pybullet
 
 from img_recog.errors import SimulationError, shortened
+from img_recog.report import NOTE, Report
 from img_recog.simulation.physics.body import Body
 
 _LONG_S = 1.0
@@ -19,14 +20,15 @@ _MAX_NEAR = 20000       # the points of more would take too much memory
 _SHOWN = 3              # bodies in a line
 
 
-def check(bodies: Sequence[Body]) -> str:
-    """Return a line about bodies that touch so often that the next step takes 1 s, '' for less.
+def check(bodies: Sequence[Body], report: Report) -> None:
+    """Look for bodies that touch so often that the next step takes long.
 
+    report: gets a line if it takes more than 1 s.
     Raises SimulationError if it takes more than 10 s.
     """
     moving = [body for body in bodies if not body.fixed or body.joints]
     if not moving:
-        return ''
+        return
     near = []
     for body in moving:
         near.append(sum(other != body.body_id for other in near_bodies(body)))
@@ -50,8 +52,9 @@ def check(bodies: Sequence[Body]) -> str:
             'the next step of the physics would take more than {:.0f} s: {}'.format(
                 _MAX_S, reason),
             'move them apart, join the links of a model by fixed joints, or make it static')
-    return '' if time_s < _LONG_S else (
-        'the next step of the physics takes about {:.0f} s: {}'.format(time_s, reason))
+    if time_s >= _LONG_S:
+        report.add(NOTE, 'the next step of the physics takes about {:.0f} s: {}'.format(
+            time_s, reason))
 
 
 def near_bodies(body: Body, margin_m: float = 0.0) -> Iterator[int]:

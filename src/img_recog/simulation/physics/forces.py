@@ -11,6 +11,7 @@ import pybullet
 
 from img_recog import rotations
 from img_recog.model import Joint
+from img_recog.report import NOTE, Report
 from img_recog.simulation.physics.body import Body, Vector
 from img_recog.simulation.physics.framed_body import FramedBody
 
@@ -23,13 +24,15 @@ _MIN_MOBILITY = 1e-12
 class Forces:
     """What acts on a body in each step of PyBullet.
 
-    gravity: (3,) m/s2, in the world; warnings: a line each.
+    gravity: (3,) m/s2, in the world.
     """
 
-    def __init__(self, body: FramedBody, step_s: float, gravity: Vector):
+    def __init__(self, body: FramedBody, step_s: float, gravity: Vector,
+                 report: Report):
+        """report: gets a line for each joint that is simulated with other values."""
         self._body, self._client = body, body.client
         self._step_s, self.gravity = step_s, gravity
-        self.warnings: List[str] = []
+        self._report = report
         stable = list(self._stable([
             joint for joint in body.model.joints
             if joint.name in body.joints and (joint.stiffness or joint.damping)]))
@@ -56,10 +59,10 @@ class Forces:
                        _KEPT * inertias[index] / self._step_s ** 2)
             if joint.damping / highest[0] + joint.stiffness / highest[1] / 2 > _STABLE:
                 kept = min(joint.damping, highest[0]), min(joint.stiffness, highest[1])
-                self.warnings.append(
-                    'joint {}: damping {:g} and stiffness {:g} cannot be simulated in steps of '
-                    '{:g} s; it has {:g} and {:g}'.format(joint.name, joint.damping,
-                                                          joint.stiffness, self._step_s, *kept))
+                self._report.add(
+                    NOTE, 'joint {}: damping {:g} and stiffness {:g} cannot be simulated in steps '
+                    'of {:g} s; it has {:g} and {:g}'.format(
+                        joint.name, joint.damping, joint.stiffness, self._step_s, *kept))
                 joint = joint._replace(damping=kept[0], stiffness=kept[1])
                 pybullet.changeDynamics(self._body.body_id, index, jointDamping=kept[0],
                                         **self._client)

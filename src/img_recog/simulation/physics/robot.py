@@ -7,7 +7,7 @@ from img_recog import rotations
 from img_recog.errors import SimulationError
 from img_recog.model import CONTINUOUS, Model
 from img_recog.simulation.physics import build, tires
-from img_recog.simulation.physics.body import BodyPose, possible_speed
+from img_recog.simulation.physics.body import MAX_JOINT_VELOCITY, BodyPose
 from img_recog.simulation.physics.framed_body import FramedBody
 from img_recog.simulation.physics.surfaces import Surfaces
 from img_recog.simulation.simulation_settings import SpawnSettings
@@ -89,7 +89,8 @@ class RobotBody(FramedBody):
         """Set the target velocities of the motors of the wheels, in rad/s."""
         pybullet.setJointMotorControlArray(
             self.body_id, self._wheels, pybullet.VELOCITY_CONTROL,
-            targetVelocities=list(map(possible_speed, velocities)),
+            targetVelocities=[max(-MAX_JOINT_VELOCITY, min(velocity, MAX_JOINT_VELOCITY))
+                              for velocity in velocities],
             forces=self._torques, **self.client)
 
     def joint_states(self) -> JointStates:
@@ -105,11 +106,9 @@ class RobotBody(FramedBody):
 def check_motors(motors: Motors, body: FramedBody) -> None:
     """Raise SimulationError if the body of a model has not all joints of the motors."""
     for setting, name in motors.joints:
-        if name in body.model.left_out:
-            raise SimulationError('{}: joint {} is left out, because what it moves has no mass'
-                                  .format(setting, name), 'add an <inertial> to that link')
         if name not in body.joints:
             raise SimulationError(
                 'the robot has no movable joint {} (movable joints: {})'.format(
                     name, ', '.join(body.joints) or 'none'),
-                'set {} to the joint of a wheel'.format(setting))
+                'set {} to the joint of a wheel; one that moves nothing with an <inertial> is '
+                'left out'.format(setting))

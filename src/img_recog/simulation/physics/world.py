@@ -4,9 +4,9 @@ from typing import Callable, Dict, Iterable, List, NamedTuple, Optional, Sequenc
 import pybullet
 
 from img_recog.errors import SimulationError, shortened
-from img_recog.formats.problems import Problems
 from img_recog.formats.world_file import WorldFile
 from img_recog.model import PLANE, AttachedFrame, Friction, Link, Model, Shape, Solid, Tree
+from img_recog.report import LEFT_OUT, LIFTED, NOTE, Report
 from img_recog.simulation.physics import build, crowding, standing, tires
 from img_recog.simulation.physics.body import Body
 from img_recog.simulation.physics.client import all_or_nothing, client_argument
@@ -47,14 +47,11 @@ class World:
         sleeping: Bodies that can fall asleep.
         revision: Number of times that a model was added or removed, or that something fixed was
             moved for the first time.
-        lifted: How far, in m, each body was moved upward that was in the floor when it was added,
-            by name.
-        crowded: A warning if the step after the last `add` takes long.
-        warnings: What else of that `add` is simulated in another way, a line each.
+        report: Gets what is simulated in another way than the files ask.
     """
 
     def __init__(self, settings: PhysicsSettings, file: WorldFile, physics_client_id: int,
-                 problems: Optional[Problems] = None,
+                 report: Optional[Report] = None,
                  make: Callable[..., ModelBodies] = ModelBodies):
         """Build the world in a physics client.
 
@@ -62,7 +59,7 @@ class World:
             settings: Settings of the physics.
             file: World.
             physics_client_id: Number of the client.
-            problems: Gets what of the file cannot be loaded; without it, that is an error.
+            report: Gets what of the file cannot be loaded; without it, that is an error.
             make: Class of the models of the file.
 
         Raises:
@@ -77,8 +74,7 @@ class World:
         self.file, self.revision = file._replace(trees=()), 0
         self.models: List[ModelBodies] = []
         self._make = make
-        self.lifted: Dict[str, float] = {}
-        self.crowded = ''
+        self.report = Report('world ' + file.name) if report is None else report
         self.set_gravity(file.gravity)
         # Contacts in a fixed order, so that equal commands give equal trajectories; and each group
         # of bodies that touch by itself, as ODE does, which makes 60 crates three times as fast.
@@ -95,17 +91,17 @@ class World:
             self._surfaces.add([self.floor])
             self.sleeping.add(self.floor)
         try:
-            self.load(file.trees, problems)
+            self.load(file.trees, report)
         except SimulationError as error:
             raise SimulationError('world {}: {}'.format(file.name, error.problem), error.advice)
 
     def load(self, trees: Sequence[Tree],
-             problems: Optional[Problems] = None) -> Sequence[ModelBodies]:
+             report: Optional[Report] = None) -> Sequence[ModelBodies]:
         """Load trees into PyBullet, and add their models.
 
         Args:
             trees: Trees of the models.
-            problems: Gets what cannot be loaded; without it, that is an error.
+            report: Gets what cannot be loaded; without it, that is an error.
 
         Returns:
             The models.
@@ -116,7 +112,7 @@ class World:
         """
         with all_or_nothing(self.physics_client_id):
             models: List[ModelBodies] = []
-            for tree, body in load_bodies(trees, self.physics_client_id, problems=problems):
+            for tree, body in load_bodies(trees, self.physics_client_id, report=report):
                 if tree.first:
                     models.append(self._make(body.name, [], []))
                 models[-1].trees.append(tree)
@@ -125,17 +121,18 @@ class World:
         return models
 
     def add(self, models: Sequence[ModelBodies]) -> None:
-        """Add models that are in PyBullet; sets `crowded` and `warnings`.
+        """Add models that are in PyBullet.
 
         Raises:
             SimulationError: if the next step would take too long; the models are removed then.
         """
-        self.warnings = [line for model in models for line in self._connect(model.bodies)]
+        for model in models:
+            self._connect(model.bodies, self.report)
         added = [(tree, body) for model in models if not model.is_robot
                  for tree, body in zip(model.trees, model.bodies)]
         if added:
             try:
-                self.crowded = crowding.check([*self.scenery, *(body for _, body in added)])
+                crowding.check([*self.scenery, *(body for _, body in added)], self.report)
             except SimulationError:
                 self._remove(models)
                 raise
@@ -162,7 +159,7 @@ class World:
                 lifted = standing.lift(body, planes)
                 if lifted.onto:
                     body.keep_as_start()
-                    self.lifted[body.name] = lifted.height_m
+                    self.report.add(LIFTED, '{} by {:.3f} m'.format(body.name, lifted.height_m))
             self.sleeping.add(body, bool(self._adopted[body.body_id].forces))
             self.sleeping.wake_near(body)
 
@@ -215,18 +212,15 @@ class World:
         """Let what a joint holds deep in a plane not meet it: nothing could push it out."""
         for link in standing.links_in(body, plane):
             self._surfaces.disable_collision(body.body_id, plane.body_id, link, -1)
-            self.warnings.append('{}: held in the floor by its joints; it does not meet the floor'
-                                 .format(body.name))
+            self.report.about('model ' + body.name).add(
+                NOTE, 'held in the floor by its joints; it does not meet the floor')
 
-    def _connect(self, bodies: Sequence[FramedBody]) -> List[str]:
-        """Let the bodies of a model act like in Gazebo; return warnings, a line each."""
+    def _connect(self, bodies: Sequence[FramedBody], report: Report) -> None:
+        """Let the bodies of a model act like in Gazebo."""
         self._surfaces.add(bodies)
-        lines: List[str] = []
         for body in bodies:
-            adopted = self._adopted[body.body_id] = _Adopted(
-                body.add_gears(), Forces(body, self.step_s, self.file.gravity))
-            lines += ['{}: {}'.format(body.name, line) for line in adopted.forces.warnings]
-        return lines
+            self._adopted[body.body_id] = _Adopted(body.add_gears(), Forces(
+                body, self.step_s, self.file.gravity, report.about('model ' + body.name)))
 
     def _remove_body(self, body: Body) -> None:
         self.sleeping.forget(body)
@@ -262,9 +256,12 @@ class World:
             self._remove_body(body)
             # PyBullet gives the number that was free last
             build.load(body.loaded.held_at(dict(zip(body.joints, held))), self.physics_client_id,
-                       body.fixed or freeze, problems=Problems(), exact_hulls=body.exact_hulls)
+                       body.fixed or freeze, report=Report(), exact_hulls=body.exact_hulls)
             body.set_defaults()
-        self._surfaces.add(model.bodies, freeze) if freeze else self._connect(model.bodies)
+        if freeze:
+            self._surfaces.add(model.bodies, freeze)
+        else:
+            self._connect(model.bodies, Report())
         for body in model.bodies:
             Surfaces.set_friction(body)
             body.release_joints()
@@ -323,10 +320,10 @@ class World:
         self.solids.others = {body.body_id for body in self.scenery if body.is_terrain}
         self.solids.forget()
 
-    def notify_moved(self, model: ModelBodies) -> None:
-        """Call after a model was moved; from then on, a fixed one can move, too."""
-        model.notify_moved()
-        for body in model.bodies:
+    def notify_moved(self, model: ModelBodies, bodies: Sequence[FramedBody]) -> None:
+        """Call after bodies of a model were moved; from then on, a fixed one can move, too."""
+        model.notify_moved(bodies)
+        for body in bodies:
             if self.sleeping.wake_near(body):
                 self._surfaces.set_filters(body)
             if body.fixed and not body.was_moved:
@@ -335,11 +332,10 @@ class World:
 
 
 def load_bodies(trees: Sequence[Tree], physics_client_id: int, visuals: bool = False,
-                problems: Optional[Problems] = None) -> List[Tuple[Tree, FramedBody]]:
+                report: Optional[Report] = None) -> List[Tuple[Tree, FramedBody]]:
     """Load trees like `build.load`; return those that were loaded, with their bodies.
 
-    problems: to which is added what cannot be loaded; without, that is a SimulationError, and none
-    is loaded.
+    report: gets what cannot be loaded; without, that is a SimulationError, and none is loaded.
     """
     loaded: List[Tuple[Tree, FramedBody]] = []
     is_first = True         # whether the model of the next tree has none yet
@@ -349,14 +345,14 @@ def load_bodies(trees: Sequence[Tree], physics_client_id: int, visuals: bool = F
             try:
                 shod = tree.model if tree.fixed else tires.added(tree.model)
                 body = FramedBody(
-                    build.load(shod, physics_client_id, tree.fixed, tree.pose, visuals, problems),
+                    build.load(shod, physics_client_id, tree.fixed, tree.pose, visuals, report),
                     physics_client_id, tree.model, tree.fixed, shod)
             except SimulationError as error:
                 refused = SimulationError('model {}: {}'.format(
                     shortened(tree.name), error.problem), error.advice)
-                if problems is None:
+                if report is None:
                     raise refused
-                problems.add(refused.problem, refused.advice)
+                report.add(LEFT_OUT, refused.problem, advice=refused.advice)
                 continue
             body.name, body.is_terrain = tree.name, tree.model.terrain is not None
             body.is_plane = tree.model.is_plane

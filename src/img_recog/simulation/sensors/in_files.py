@@ -7,6 +7,7 @@ from img_recog.formats.gazebo_tags import Tags, Values, is_of, label, values_in
 from img_recog.formats.numbers import read_numbers
 from img_recog.formats.texts import name_of, text_of
 from img_recog.model import AttachedFrame, Tag
+from img_recog.report import NOT_SIMULATED, Report
 from img_recog.rotations import IDENTITY, transform
 from img_recog.simulation.sensors.sensor import ConfiguredSensor, SensorKind
 
@@ -22,29 +23,28 @@ class _Part(NamedTuple):
 
 
 def read(tags: Sequence[Tag], step_s: float, kinds: Sequence[SensorKind],
-         drive: Optional[Tags] = None, with_bare: bool = False
-         ) -> Tuple[Values, List[ConfiguredSensor], List[str]]:
+         report: Report, drive: Optional[Tags] = None, with_bare: bool = False
+         ) -> Tuple[Values, List[ConfiguredSensor]]:
     """Return what the tags of a model give.
 
-    That is the settings of the first sensor of each kind, by name; the sensors in the order of the
-    file, but for those that are there once; and what is not simulated: each is 'plugin FILENAME'
-    or 'sensor TYPE', after the word 'second' where it is a duplicate.
+    That is the settings of the first sensor of each kind, by name, and the sensors in the order of
+    the file, but for those that are there once.
 
-    step_s: of the physics. kinds: of the sensors that count. drive: the tags that are not
-    those of a sensor. with_bare: whether sensors without a plugin count too.
+    step_s: of the physics. kinds: of the sensors that count. report: gets what is not simulated:
+    'plugin FILENAME' or 'sensor TYPE', after the word 'second' where it is a duplicate. drive: the
+    tags that are not those of a sensor. with_bare: whether sensors without a plugin count too.
     Raises SimulationError when a value cannot be read.
     """
     readers: List[Tuple[Tags, Optional[SensorKind]]] = [(drive, None)] if drive else []
     readers += [(kind.read_tags, kind) for kind in kinds]
     sensors: List[ConfiguredSensor] = []
-    problems: List[str] = []
     of_readers: Dict[int, Values] = {}          # of those that have read a part
     for part in _parts(tags, [reader for reader, _ in readers], with_bare):
         new = [number for number in part.readers if number not in of_readers]
         for number in part.readers:
             reader, kind = readers[number]
             if number not in new and not reader.frame:
-                problems.append('second ' + part.label)
+                report.add(NOT_SIMULATED, 'second ' + part.label)
                 continue
             values = {} if kind is None else values_in(reader, part.link, part.sensor, part.plugin,
                                                        step_s)
@@ -53,15 +53,16 @@ def read(tags: Sequence[Tag], step_s: float, kinds: Sequence[SensorKind],
                 sensors.append(_sensor(kind, values, part))
             owner = part.plugin if part.sensor is None else part.sensor
             if owner is not None and part.plugin is not None:
-                problems.extend(reader.not_simulated(owner))
+                for what in reader.not_simulated(owner):
+                    report.add(NOT_SIMULATED, what)
         if not part.readers:
-            problems.append(part.label)
+            report.add(NOT_SIMULATED, part.label)
     for kind in kinds:
         if kind.is_drawn:
-            _add_cameras(tags, kind, with_bare, sensors, problems)
+            _add_cameras(tags, kind, with_bare, sensors, report)
     values = {name: value for number in sorted(of_readers)
               for name, value in of_readers[number].items()}
-    return values, sensors, problems
+    return values, sensors
 
 
 def _sensor(kind: SensorKind, values: Values, part: _Part) -> ConfiguredSensor:
@@ -116,7 +117,7 @@ def _place_of(part: _Part) -> Optional[AttachedFrame]:
 
 
 def _add_cameras(tags: Sequence[Tag], kind: SensorKind, with_bare: bool,
-                 sensors: List[ConfiguredSensor], problems: List[str]) -> None:
+                 sensors: List[ConfiguredSensor], report: Report) -> None:
     """Add the cameras; of two with a topic of the same name, the first one counts."""
     owners: Dict[str, str] = {}         # of topics
     for link, sensor in ((tag.link, sensor) for tag in tags
@@ -126,18 +127,19 @@ def _add_cameras(tags: Sequence[Tag], kind: SensorKind, with_bare: bool,
         if is_bare and not (with_bare and sensor.get('type') in camera_values.TYPES):
             continue
         if not link:
-            problems.append('sensor {}, because its <gazebo> tag has no reference'.format(name))
+            report.add(NOT_SIMULATED, 'sensor {}, because its <gazebo> tag has no reference'
+                       .format(name))
             continue
         plugin = ElementTree.Element('plugin') if plugin is None else plugin
-        problems += ['{} of sensor {}'.format(each, name)
-                     for each in camera_values.not_simulated(sensor, plugin)]
+        for each in camera_values.not_simulated(sensor, plugin):
+            report.add(NOT_SIMULATED, each, 'sensor ' + name)
         for values in camera_values.of_sensor(sensor, plugin):
             topics = [] if is_bare else [value for setting, value in values.items()
                                          if setting.endswith('_topic')]
             taken = next((topic for topic in topics if topic in owners), None)
             if taken is not None:
-                problems.append('sensor {}, because its topic {} is one of sensor {}'.format(
-                    name, taken, owners[taken]))
+                report.add(NOT_SIMULATED, 'sensor {}, because its topic {} is one of sensor {}'
+                           .format(name, taken, owners[taken]))
                 continue
             owners.update(dict.fromkeys(topics, name))
             sensors.append(ConfiguredSensor(kind.name, kind, 0, {'camera_frame': link, **values},

@@ -312,12 +312,15 @@ def test_vertices_may_have_normals_and_texture_coordinates(tmp_path):
     assert part.normals == pytest.approx(np.broadcast_to((0.6, 0, 0.8), (2, 3, 3)))
 
 
+@pytest.mark.parametrize('indices', [['0 1 2 5 4 3'], ['0 1 2', '5 4 3']])
 @pytest.mark.parametrize('own, shares', [
     ('', True), ('<input semantic="NORMAL" source="#n" offset="0"/>', False)])
-def test_corners_at_a_place_share_the_first_normal_of_vertices_as_in_gazebo(tmp_path, own, shares):
+def test_corners_at_a_place_share_the_first_normal_of_vertices_as_in_gazebo(
+        tmp_path, own, shares, indices):
     """The last two corners of the second triangle are at other indices than those of the first."""
-    text = collada(primitives='<triangles count="2" material="m1"><input semantic="VERTEX" '
-                   'source="#v" offset="0"/>{}<p>0 1 2 5 4 3</p></triangles>'.format(own))
+    text = collada(primitives=''.join(
+        '<triangles count="{}" material="m1"><input semantic="VERTEX" source="#v" offset="0"/>{}'
+        '<p>{}</p></triangles>'.format(2 // len(indices), own, each) for each in indices))
     normals = ['0 0 1', '0.6 0 0.8', '0 0.6 0.8', '1 0 0', '0 1 0', '0.8 0 0.6']
     for old, new in (
             ('count="3">0 0 1<', 'count="18">{}<'.format(' '.join(normals))),
@@ -329,7 +332,9 @@ def test_corners_at_a_place_share_the_first_normal_of_vertices_as_in_gazebo(tmp_
         assert old in text
         text = text.replace(old, new)
     expected = [0, 1, 2, 0, 2, 3] if shares else [0, 1, 2, 5, 4, 3]
-    assert read(tmp_path, text).normals.reshape(6, 3) == pytest.approx(np.array(
+    (tmp_path / 'a.dae').write_text(text)
+    found = np.concatenate([part.normals for part in mesh_file.read(str(tmp_path / 'a.dae'))])
+    assert found.reshape(6, 3) == pytest.approx(np.array(
         [normals[number].split() for number in expected], float))
 
 

@@ -3,6 +3,7 @@ import pytest
 
 from img_recog.formats import model_file
 from img_recog.nodes.gazebo.robot_reader import RobotReader
+from img_recog.report import Report
 from img_recog.simulation.simulation_settings import SpawnSettings
 from img_recog_helpers.robots import burger
 from img_recog_helpers.sdf import model
@@ -61,7 +62,7 @@ def server(monkeypatch):
 
 
 def spawned_sdf(reader):
-    tree, = model_file.read(SDF, 'cart', lambda uri: None, print)
+    tree, = model_file.read(SDF, 'cart', lambda uri: None, Report())
     return reader.spawned_sdf(tree, '')
 
 

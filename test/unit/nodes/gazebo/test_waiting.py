@@ -10,21 +10,18 @@ from img_recog.simulation.mounted_sensors import Reading
 @pytest.mark.parametrize('is_awaited', [True, False])
 def test_a_reset_drops_the_answer_to_what_came_before_it_and_no_other(is_awaited):
     calls = []
-    robots = SimpleNamespace(
-        namespaces=lambda *_: [''], apply_commands=lambda: calls.append('apply'),
-        discard_commands=lambda: calls.append('discard'))
+    topics = SimpleNamespace(
+        namespaces=lambda *_: [''], discard_commands=lambda: calls.append('discard'))
     lockstep = SimpleNamespace(kinds=['scan'], expect=lambda *_: None, notify_sent=lambda: None)
-    waiting = Waiting(SimpleNamespace(), SimpleNamespace(), robots, lockstep)
+    waiting = Waiting(SimpleNamespace(), SimpleNamespace(), topics, lockstep)
     scan = [Reading('robot', 'scan', 'scan', 0.2, None)]
     waiting.expect(scan)
     if not is_awaited:
-        waiting.apply_commands()
+        waiting.take_commands()
     waiting.discard_commands()
     calls.clear()
     if is_awaited:
-        waiting.apply_commands()
-        assert calls == ['discard', 'apply']
+        assert waiting.take_commands() and calls == ['discard']
         calls.clear()
     waiting.expect(scan)
-    waiting.apply_commands()
-    assert calls == ['apply']
+    assert waiting.take_commands() and not waiting.take_commands() and calls == []

@@ -35,7 +35,7 @@ def visit(path='/', query='', messages=None, kind='http', method='GET', app=None
           **headers):
     """Return the application, what is sent to the visitor, and the reported errors."""
     app, sent, errors = app or App(), [], []
-    guard = guard or Authentication(app, TOKEN, PORT, errors.append)
+    guard = guard or Authentication(app, TOKEN, PORT, errors.append, lambda: None)
     scope = {'type': kind, 'path': path, 'query_string': query.encode(), 'method': method,
              'headers': [(name.replace('_', '-').encode(), value.encode())
                          for name, value in {'host': 'localhost:8080', **headers}.items()]}
@@ -100,6 +100,17 @@ def test_nothing_for_others(visitor):
     app, sent, _ = visit(**visitor)
     assert app.visits == 0 and status(sent) == 403
     assert b'address with the token' in sent[1]['body'] and TOKEN.encode() not in sent[1]['body']
+
+
+@pytest.mark.parametrize('visitor, count', [
+    ({}, 1), ({'query': 'token=of-the-demo-before'}, 1), ({'cookie': 'img_recog_8080=x'}, 1),
+    ({'query': 'token=' + TOKEN}, 0), ({'cookie': COOKIE}, 0), ({'path': '/graph.svg'}, 0),
+    ({'kind': 'websocket', 'origin': OWN}, 0), ({'origin': 'http://evil.example'}, 0)])
+def test_who_opens_the_page_without_the_token_is_reminded_of_it(visitor, count):
+    reminders, app = [], App()
+    visit(app=app, guard=Authentication(app, TOKEN, PORT, print, lambda: reminders.append(1)),
+          **visitor)
+    assert len(reminders) == count
 
 
 @pytest.mark.parametrize('fetch', [

@@ -6,7 +6,7 @@ from fastapi import FastAPI
 from fastapi.testclient import TestClient
 from nicegui import Client, ui
 
-from img_recog.nodes.web import page
+from img_recog.nodes.web import page, page_texts
 from img_recog.nodes.web.page_elements import Shared
 from img_recog.nodes.web.shown_robots import PictureTopic
 from img_recog.nodes.web.tabs import Tab
@@ -23,8 +23,8 @@ def serve_sonar(app):
         return 'echo'
 
 
-SONAR = Tab('sonar', {'sonar': ('Sonar', 'ソナー'), 'distance': ('Distance', '距離')}, add_sonar,
-            serve=serve_sonar)
+SONAR = Tab('sonar', add_sonar, serve=serve_sonar)
+SONAR_TEXTS = {'sonar': ['Sonar', 'ソナー'], 'distance': ['Distance', '距離']}
 
 
 @pytest.fixture(scope='module')
@@ -41,6 +41,7 @@ def client():
     app = FastAPI()
     with pytest.MonkeyPatch().context() as monkeypatch:
         monkeypatch.setattr(page, 'TABS', (*page.TABS, SONAR))
+        monkeypatch.setattr(page_texts, 'TABLE', {**page_texts.TABLE, **SONAR_TEXTS})
         page.build(app, Shared(robots, robot.colors, SimpleNamespace(path='')))
         with TestClient(app) as client:
             yield client

@@ -4,6 +4,7 @@ import pytest
 
 from img_recog.errors import SimulationError
 from img_recog.formats import model_file
+from img_recog.report import Report
 from img_recog.simulation.models import Models, State
 from img_recog_helpers import sdf
 from img_recog_helpers.robots import simulator
@@ -23,7 +24,7 @@ def trees(count, links_of):
     links = [sdf.link('l{}'.format(number), '', CUBE, mass=2, moments=0.02)
              for number in range(count)]
     return model_file.read('<sdf version="1.6">{}</sdf>'.format(
-        sdf.model('m', *links, links_of(count))), 'm', lambda uri: None)
+        sdf.model('m', *links, links_of(count))), 'm', lambda uri: None, Report())
 
 
 def fixed_joints(count):
@@ -37,9 +38,9 @@ def colliding(count):
 
 def test_a_step_that_takes_seconds_is_said_before():
     world = world_of(*['0 0 5'] * 40)
-    assert world.crowded == (
-        'the next step of the physics takes about 1 s: bodies touch or overlap in many points, '
-        'crate0 in 156, crate1 in 156, crate2 in 156')
+    assert world.report.lines() == [
+        'world crates: the next step of the physics takes about 1 s: bodies touch or overlap in '
+        'many points, crate0 in 156, crate1 in 156, crate2 in 156']
 
 
 @pytest.mark.parametrize('count, words', [
@@ -57,15 +58,15 @@ def test_a_world_whose_first_step_takes_too_long_is_refused(count, words):
 def test_bodies_that_stand_beside_one_another_are_not_many_points():
     poses = ['{} {} 0.1'.format(x * 0.21, y * 0.21) for x in range(15) for y in range(15)]
     world = world_of(*poses)
-    assert world.crowded == '' and len(world.scenery) == 225
+    assert world.report.lines() == [] and len(world.scenery) == 225
     world.step(10)      # in no time
 
 
 @pytest.mark.parametrize('links_of', [lambda count: '<static>1</static>', fixed_joints])
 def test_links_that_are_joined_or_static_never_touch(links_of):
     sim = simulator()
-    Models(sim).add('m', trees(120, links_of), HERE, warn=pytest.fail)
-    assert sim.world.crowded == ''
+    Models(sim).add('m', trees(120, links_of), HERE)
+    assert sim.world.report.lines() == []
 
 
 def test_models_that_would_stop_time_are_not_added():
@@ -73,11 +74,12 @@ def test_models_that_would_stop_time_are_not_added():
     models = Models(sim)
     client = sim.world.physics_client_id
     lines = []
+    sim.world.report.listen(lines.append)
     for name in ('m0', 'm1'):
         assert lines == []
-        models.add(name, trees(20, colliding), HERE, warn=lines.append)
+        models.add(name, trees(20, colliding), HERE)
     line, = lines
-    assert line.startswith('model m1: the next step of the physics takes about 2 s: bodies touch')
+    assert line.startswith('w: the next step of the physics takes about 2 s: bodies touch')
 
     def there():
         return models.names, pybullet.getNumBodies(physicsClientId=client), sim.world.revision
@@ -90,5 +92,6 @@ def test_models_that_would_stop_time_are_not_added():
 def test_robots_and_the_floor_may_touch_what_is_added():
     sim = simulator()
     models = Models(sim)
-    models.add('m', trees(1, colliding), HERE, warn=pytest.fail)
+    models.add('m', trees(1, colliding), HERE)
     sim.advance(10)
+    assert sim.world.report.lines() == []

@@ -3,7 +3,7 @@ import dataclasses
 
 import pytest
 
-from img_recog.simulation.physics.differential_drive import DifferentialDrive
+from img_recog.simulation.physics.drive import DifferentialDrive
 from img_recog.simulation.physics.robot import Motors
 from img_recog_helpers.robots import burgers_drive
 

@@ -9,7 +9,7 @@ from img_recog.conversions.sensor_table import SENSORS
 from img_recog.formats import world_file
 from img_recog.settings import from_mapping
 from img_recog.simulation import assembly
-from img_recog.simulation.physics.differential_drive import DifferentialDrive
+from img_recog.simulation.physics.drive import DifferentialDrive
 from img_recog.simulation.configured_model import from_urdf
 from img_recog.simulation.simulation_settings import DriveSettings, PhysicsSettings
 from img_recog_helpers.refusals import refusal
@@ -127,7 +127,7 @@ def test_wheels_that_are_meshes_drive_as_asked(radius, tmp_path):
         file.write(wheel_mesh(radius))
     urdf = robot(DIFFERENTIAL, radius=radius, shape='<mesh filename="wheel"/>')
     built = assembled(urdf, find_mesh=lambda uri: path)
-    assert not [line for line in built.warnings if 'wheel_' in line]
+    assert not [line for line in built.report.lines() if 'wheel_' in line]
     assert built.simulator.robots[0].settings.drive.wheel_diameter == pytest.approx(2 * radius)
     assert velocity(built.simulator, 0.2)[0] == pytest.approx(0.2, rel=0.02)
     assert velocity(built.simulator, 0.0, 0.5)[2] == pytest.approx(TURN_SHARE * 0.5, rel=0.02)

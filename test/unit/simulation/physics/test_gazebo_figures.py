@@ -59,7 +59,7 @@ def test_the_angle_of_an_arm_after_a_second(axis, joint, angle):
     simulator = arm(axis, joint=joint)
     found = sdf.figures(simulator, 1).joints()['m::j'][0]
     assert found == pytest.approx(angle, rel=0.02, abs=1e-3)
-    assert not simulator.world.warnings
+    assert not simulator.world.report.lines()
 
 
 def decay(linear, angular):
@@ -136,9 +136,9 @@ def test_bitmasks(surface, falls):
 
 def test_damping_beyond_what_is_stable_gets_a_line_and_ends_nowhere():
     simulator = arm(dynamics(damping=5000))
-    assert simulator.world.warnings == [
-        'm: joint j: damping 5000 and stiffness 0 cannot be simulated in steps of 0.001 s; it has '
-        '333.542 and 0']
+    assert simulator.world.report.lines() == [
+        'model m: joint j: damping 5000 and stiffness 0 cannot be simulated in steps of 0.001 s; '
+        'it has 333.542 and 0']
     assert 0 < sdf.figures(simulator, 1).joints()['m::j'][0] < 0.02
 
 
@@ -156,8 +156,8 @@ def test_what_a_hinge_holds_in_the_floor_does_not_meet_it():
     simulator = simulated(
         sdf.model('m', sdf.link('l', '', CUBE), hinge('world', 'l', along='1 0 0')),
         sdf.body('n', '0 0 0.2', CUBE))
-    assert simulator.world.warnings == [
-        'm: held in the floor by its joints; it does not meet the floor']
+    assert simulator.world.report.lines() == [
+        'model m: held in the floor by its joints; it does not meet the floor']
     # the box on it is not thrown away
     assert sdf.figures(simulator, 1).links()['n::l'][2] == pytest.approx(0.2, abs=0.005)
 
@@ -165,7 +165,7 @@ def test_what_a_hinge_holds_in_the_floor_does_not_meet_it():
 def test_a_body_that_flies_away_gets_one_line_until_a_reset():
     simulator = simulated(sdf.body('m', '0 0 50', CUBE))
     models, lines = Models(simulator), []
-    simulator.warn = lines.append
+    simulator.world.report.listen(lines.append)
     for _ in range(2):
         models.set_state('m', models.state('m')._replace(linear=(2000, 0, 0)))
         simulator.advance(3000)

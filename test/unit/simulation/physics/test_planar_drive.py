@@ -5,7 +5,7 @@ import pytest
 
 from img_recog import rotations
 from img_recog.simulation.physics.body import FrameState
-from img_recog.simulation.physics.planar_drive import PlanarDrive
+from img_recog.simulation.physics.drive import PlanarDrive
 from img_recog.simulation.physics.robot import Motors
 from img_recog.simulation.simulation_settings import DriveSettings
 

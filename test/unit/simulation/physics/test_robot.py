@@ -3,6 +3,7 @@ import pytest
 
 from img_recog.formats import world_file
 from img_recog.model import Tree
+from img_recog.report import lines_of
 from img_recog.simulation import assembly
 from img_recog.simulation.simulation_settings import PhysicsSettings
 from img_recog_helpers.robots import read
@@ -51,7 +52,7 @@ def build(base=BASE, wheel=WHEEL, caster='', roll='1.5707963', more='</robot>', 
                            [] if is_model else [robot])
     if is_model:
         built.simulator.world.load([Tree('cart', robot.model)])
-    return built.simulator, robot.warnings
+    return built.simulator, lines_of(robot.findings)
 
 
 ROBOTS = {

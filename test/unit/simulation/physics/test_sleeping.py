@@ -5,6 +5,7 @@ import pytest
 from img_recog.formats import urdf, world_file
 from img_recog.formats.lumping import lumped
 from img_recog.model import Tree
+from img_recog.report import Report
 from img_recog.rotations import IDENTITY
 from img_recog.simulation.model_forces import ModelForces
 from img_recog.simulation.models import Models
@@ -93,7 +94,7 @@ def test_what_a_urdf_says(inside, sleeps):
                         '<collision><geometry><box size="0.2 0.2 0.2"/></geometry></collision>'
                         '</link>{}</robot>'.format(inside))
     simulator = simulated()
-    model = lumped(urdf.read(root, lambda uri: None))
+    model = lumped(urdf.read(root, lambda uri: None, Report()), Report())
     simulator.world.load([Tree('b', model, IDENTITY._replace(
         translation=IDENTITY.translation + (0, 0, 0.1)))])
     simulator.advance(1500)

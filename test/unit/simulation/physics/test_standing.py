@@ -3,6 +3,7 @@ import numpy as np
 import pybullet
 import pytest
 
+from img_recog.report import Report
 from img_recog.simulation import assembly
 from img_recog.simulation.models import Models, State
 from img_recog.simulation.physics import standing
@@ -46,8 +47,9 @@ def stands(sim, height):
 
 def test_a_robot_with_its_root_at_the_axle_is_lifted_out_of_the_floor_and_drives():
     built = assemble(urdf=AT_ITS_AXLE)
-    assert built.warnings == ('turtlebot3_burger: at z_pos 0 m it would be in ground_plane; it '
-                              'was lifted onto it by 0.033 m',)
+    assert built.report.lines() == [
+        'turtlebot3_burger: at z_pos 0 m it would be in ground_plane; it was lifted onto it by '
+        '0.033 m']
     sim = built.simulator
     assert stands(sim, 0.033)
     sim.robots[0].command(0.2, 0.0)
@@ -61,8 +63,9 @@ def test_a_robot_with_its_root_at_the_axle_is_lifted_out_of_the_floor_and_drives
 @pytest.mark.parametrize('height', [0.01, 0.025, 0.04, 0.1])
 def test_a_robot_in_a_floor_above_zero_is_lifted_onto_it(world, kind, height):
     built = assemble(world(kind, height))
-    assert built.warnings == ('turtlebot3_burger: at z_pos 0 m it would be in hall; it was lifted '
-                              'onto it by {:.3f} m'.format(height),)
+    assert built.report.lines() == [
+        'turtlebot3_burger: at z_pos 0 m it would be in hall; it was lifted onto it by {:.3f} m'
+        .format(height)]
     assert stands(built.simulator, height)
     assert built.simulator.touched(built.simulator.robots[0].body) == []
 
@@ -72,11 +75,11 @@ def test_only_what_is_in_something_is_lifted(z, height):
     built = assemble(z=z)
     assert built.simulator.robots[0].body.motion().position[2] == pytest.approx(
         height, abs=1e-4)
-    assert len(built.warnings) == (z < 0)
+    assert len(built.report.lines()) == (z < 0)
 
 
 def test_what_is_in_a_wall_is_lifted_out_of_the_floor_alone(world):
-    lifted, overlap = assemble(world('box', 0.5), z=-0.1).warnings
+    lifted, overlap = assemble(world('box', 0.5), z=-0.1).report.lines()
     assert lifted.endswith('in ground_plane; it was lifted onto it by 0.100 m')
     assert overlap.startswith('turtlebot3_burger in hall: ')
 
@@ -106,8 +109,10 @@ def test_its_velocity_is_kept_when_it_is_lifted(world):
 def test_robots_are_added_on_a_floor_above_zero(world, has_place):
     sim = assemble(world('mesh', 0.02), 1.0, 1.0).simulator
     place = (0.0, 0.0) if has_place else (1.0, 1.0)
-    warning, = assembly.add_robot_apart(sim, read(burger()).renamed('second')._replace(
-        settings=settings_of(*place), has_place=has_place))
+    report = Report()
+    assembly.add_robot_apart(sim, read(burger()).renamed('second')._replace(
+        settings=settings_of(*place), has_place=has_place), report)
+    warning, = report.lines()
     assert warning.startswith('second: ') and warning.endswith(' by 0.020 m')
     first, second = (robot.body.motion().position for robot in sim.robots)
     assert second[2] == pytest.approx(0.02, abs=0.001)

@@ -71,7 +71,7 @@ def test_without_its_message_a_bumper_is_reported_with_the_reason():
     robot = from_urdf(robots.burger('').replace(
         '</robot>', BAR.format('bar', 0.11) + TAG + '</robot>'), 0.001, lambda uri: None,
         'robot', kinds)
-    assert 'sensor contact (no x)' in robot.not_simulated
+    assert 'sensor contact (no x)' in [each.what for each in robot.findings]
     assert 'contact' not in robot.settings.sensors
 
 

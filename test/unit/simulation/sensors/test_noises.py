@@ -5,6 +5,7 @@ import pytest
 from img_recog.conversions.sensor_table import SENSORS
 from img_recog.formats import world_file
 from img_recog.formats.noises import Noise
+from img_recog.report import lines_of
 from img_recog.simulation import assembly
 from img_recog.simulation.simulation_settings import PhysicsSettings
 from img_recog_helpers.sdf import BOX, sdf
@@ -28,7 +29,7 @@ def readings(kind, inside, version='1.6', count=1):
     sim.advance(10)
     found = [each.value for each in sim.advance(10 * count)]
     assert len(found) >= count
-    return found, file.warnings
+    return found, lines_of(file.findings)
 
 
 @pytest.mark.parametrize('noise, wanted', [

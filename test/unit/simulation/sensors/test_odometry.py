@@ -4,7 +4,7 @@ import math
 import numpy as np
 import pytest
 
-from img_recog.simulation.physics.differential_drive import DifferentialDrive
+from img_recog.simulation.physics.drive import DifferentialDrive
 from img_recog.simulation.sensors.odometry import EncoderOdometry, OdometrySettings
 from img_recog.simulation.sensors.sensor import Mount
 from img_recog_helpers.refusals import refusal

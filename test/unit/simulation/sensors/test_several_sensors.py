@@ -207,4 +207,5 @@ def test_joint_states_are_those_that_the_plugin_names_without_efforts():
     assert 0 < message.velocity[0] < message.velocity[1]
     # a joint that does not move has no state
     urdf = robots.burger('').replace('</robot>', LINK + plugin + '</robot>')
-    assert robots.read(urdf).not_simulated == ('joint nose_joint of a joint state publisher',)
+    assert [each.what for each in robots.read(urdf).findings] == [
+        'joint nose_joint of a joint state publisher']

@@ -19,7 +19,7 @@
     orange: '#f2751a', purple: '#8e4ec6', pink: '#d6409f' };
   const COMPACT = new Intl.NumberFormat('en', { notation: 'compact' });
   const { all, css, mapping, send, show, text, visible } = page;
-  const { arrow, line } = mapping;
+  const { line } = mapping;
   const state = { areas: [], asked: [], driven: [], path: [], colors: [] };
   let turn = 0;
 
@@ -152,7 +152,7 @@
     const drawing = mapping.begin(canvas, pointsInMap(), 1.06, LABELS_PX);
     if (!drawing) return;
     canvas.heading = () => (state.pose ? state.pose[2] : 0);
-    const { context, at, scale, side } = drawing;
+    const { context, at, side } = drawing;
     const [x0, y0, size] = canvas.extent;
     // a grid of whole meters; its labels stand beside what is in the world
     const step = Math.max(1, roundUp(size / MAP_LINES, [1, 2, 5, 10]));
@@ -193,12 +193,17 @@
     }
     const others = Object.entries(state.robots || {}).filter(([name]) => name !== window.robot);
     for (const [, place] of others) {
-      arrow(context, at(place), place[2], Math.max(8 * devicePixelRatio, 0.12 * scale), '#9ca3af');
+      mapping.drawRobot(drawing, place, '#9ca3af', 0.8);
     }
     context.fillStyle = css('--ink');
+    const gap = mapping.robotSize(drawing);
     const names = others.map(([name, place]) => [
-      name, at(place), context.measureText(name).width]);
-    for (const [name, x, y] of mapping.placeLabels(names, side)) context.fillText(name, x, y);
+      name, at(place), context.measureText(name).width, gap]);
+    const robots = [...names.map(([, place]) => [...place, 0.8 * gap]),
+      ...(state.pose ? [[...at(state.pose), gap]] : [])];
+    for (const [name, x, y] of mapping.placeLabels(names, side, robots)) {
+      context.fillText(name, x, y);
+    }
     if (!state.pose) return;
     if (state.scan) mapping.drawScan(drawing, state.scan, state.scan.pose || state.pose);
     mapping.drawRobot(drawing, state.pose, '#16a34a');

@@ -92,24 +92,29 @@
     }
   }
 
-  // the left end of the base line of each name, at its robot, where no other name is
-  function placeLabels(names, side) {
-    const [gap, height] = [10 * devicePixelRatio, 13 * devicePixelRatio];
+  // the left end of the base line of each name, at its robot, where no other name and no robot is
+  // robots: x, y and the size of the arrow of each, in pixels
+  function placeLabels(names, side, robots) {
+    const height = 13 * devicePixelRatio;
     const placed = [];
-    for (const [name, [robotX, robotY], width] of names) {
+    for (const [name, [robotX, robotY], width, gap] of names) {
       const right = Math.max(0, Math.min(robotX + gap, side - width - gap));
       const left = Math.max(0, robotX - gap - width);
       const isFree = ([x, y]) => placed.every(([, otherX, otherY, otherWidth]) => (
-        Math.abs(y - otherY) >= height || x >= otherX + otherWidth || otherX >= x + width));
-      const places = [0, 1, -1, 2, -2, 3, -3, 4, -4].flatMap(
+        Math.abs(y - otherY) >= height || x >= otherX + otherWidth || otherX >= x + width))
+        && robots.every(([otherX, otherY, size]) => (y <= otherY - size
+          || y - height >= otherY + size || x >= otherX + size || x + width <= otherX - size));
+      const places = [0, 1, -1, 2, -2, 3, -3, 4, -4, 5, -5, 6, -6].flatMap(
         (row) => [[right, robotY + row * height], [left, robotY + row * height]]);
       placed.push([name, ...(places.find(isFree) || places[0]), width]);
     }
     return placed;
   }
 
-  function drawRobot({ context, at, scale }, pose, color) {
-    arrow(context, at(pose), pose[2], Math.max(10 * devicePixelRatio, 0.15 * scale), color);
+  const robotSize = ({ scale }) => Math.max(10 * devicePixelRatio, 0.15 * scale);
+
+  function drawRobot(drawing, pose, color, share = 1) {
+    arrow(drawing.context, drawing.at(pose), pose[2], share * robotSize(drawing), color);
   }
 
   // where somebody points
@@ -148,5 +153,6 @@
   });
   document.addEventListener('pointercancel', (event) => { event.target.target = null; });
 
-  page.mapping = { arrow, begin, drawOutlines, drawRobot, drawScan, drawTarget, line, placeLabels };
+  page.mapping = { begin, drawOutlines, drawRobot, drawScan, drawTarget, line, placeLabels,
+    robotSize };
 })();

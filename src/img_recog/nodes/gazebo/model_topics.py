@@ -1,27 +1,38 @@
-"""The topics of one simulated robot, or of a model with sensors."""
-from typing import Any, Dict, List, Optional, Sequence, Set, Union
+"""The topics of simulated robots, and of models with sensors, added and removed while it runs."""
+from typing import Any, Collection, Dict, List, Optional, Sequence, Set, Union
 
 import rospy
 from diagnostic_updater import DiagnosticStatusWrapper
 from geometry_msgs.msg import PoseStamped, TransformStamped, Twist, TwistStamped
-from tf2_msgs.msg import TFMessage
 
 from img_recog.conversions import plane_msgs, robot_msgs, twist_msgs
 from img_recog.conversions.plane_msgs import PlanePose, PoseError
-from img_recog.errors import SimulationError
+from img_recog.conversions.sensor_table import SENSORS
+from img_recog.conversions.topic_checks import check_topics
+from img_recog.errors import SimulationError, UserError, one_line
+from img_recog.nodes.gazebo.images import Images
 from img_recog.nodes.gazebo.lockstep import Lockstep
 from img_recog.nodes.gazebo.physics_services import ServiceCalls
+from img_recog.nodes.gazebo.robot_reader import in_namespace
 from img_recog.nodes.gazebo.simulation_diagnostics import CommandCounts
+from img_recog.nodes.gazebo.transforms import StaticTransforms, Transforms, plane_transform
+from img_recog.report import Report
+from img_recog.ros.diagnostics import NodeDiagnostics
 from img_recog.ros.log.throttle import Throttle, ThrottledWarning
 from img_recog.ros.queues import LatestValue
 from img_recog.ros.transport.direct_publisher import DirectPublisher
+from img_recog.simulation import assembly
+from img_recog.simulation.configured_model import ConfiguredModel
+from img_recog.simulation.models import Models
 from img_recog.simulation.mounted_sensors import MountedSensors, Reading
 from img_recog.simulation.sensors.motion_state import MotionState
 from img_recog.simulation.sensors.sensor import SensorKind
-from img_recog.simulation.simulated_model import Robot
+from img_recog.simulation.simulated_model import Robot, SimulatedModel
+from img_recog.simulation.simulator import Simulator
 
+WORLD_FRAME = 'world'
 _LOG_PERIOD_S = 0.1             # minimum between two lines about the motion
-_WORLD_FRAMES = ('', 'world')
+_WORLD_FRAMES = ('', WORLD_FRAME)
 
 
 class _Output:
@@ -42,36 +53,7 @@ class _Output:
         return self._msg
 
 
-class Transforms:
-    """Publishes on /tf, the topic of tf2_ros: the transforms of all robots in one message."""
-
-    def __init__(self) -> None:
-        self._publisher = DirectPublisher('/tf', TFMessage)
-        self._waiting: List[TransformStamped] = []
-
-    def add(self, transform: TransformStamped) -> None:
-        """Add a transform to those that are published next; until then it must not be changed,
-        except for the next call.
-        """
-        self._waiting.append(transform)
-
-    def separate(self, transform: TransformStamped) -> None:
-        """Call before a transform is changed: what was added so far is a message."""
-        if any(each is transform for each in self._waiting):
-            self._serialize()
-
-    def flush(self) -> None:
-        """Publish what was added."""
-        self._serialize()
-        self._publisher.flush()
-
-    def _serialize(self) -> None:
-        if self._waiting:
-            self._publisher.add(TFMessage(self._waiting))
-            self._waiting = []
-
-
-class SensorTopics:
+class ModelTopics:
     """Publishes the readings of a model with sensors, or of a robot."""
 
     _always_read: Set[str] = set()
@@ -120,7 +102,7 @@ class SensorTopics:
             publisher.unregister()
 
 
-class RobotTopics(SensorTopics):
+class RobotTopics(ModelTopics):
     """Passes commands and poses to a robot, and publishes its readings.
 
     The poses of ~set_pose, or ~NAMESPACE/set_pose, are in the world or in the frame of the
@@ -243,3 +225,177 @@ class RobotTopics(SensorTopics):
         for subscriber in self._subscribers:
             subscriber.unregister()
         super().close()
+
+
+class WorldTopics:
+    """The topics of all models of a world.
+
+    All methods are for the thread that simulates, `report` for any.
+
+    world_tf: whether static transforms from the world to the odometry frames of robots with a
+    namespace are published. lockstep: see RobotTopics.
+    """
+
+    def __init__(self, simulator: Simulator, models: Models, images: Images,
+                 statics: StaticTransforms, calls: ServiceCalls, world_tf: bool,
+                 lockstep: Optional[Lockstep] = None):
+        self._simulator, self._models, self._images = simulator, models, images
+        self._statics, self._calls, self._world_tf = statics, calls, world_tf
+        self._lockstep = lockstep
+        self._diagnostics: Optional[NodeDiagnostics] = None
+        self._transforms = Transforms()
+        self._timeout_scale = 1.0
+        self._topics: Dict[str, ModelTopics] = {}       # by the names of bodies
+        self._robots: Dict[str, RobotTopics] = {}       # those of robots
+
+    def add(self, spec: ConfiguredModel) -> None:
+        """Add a robot, apart from the others and the walls, and log its warnings.
+
+        Raises a UserError when that cannot be; nothing has changed then.
+        """
+        if spec.name in self._models:
+            raise SimulationError('there is a model {} already'.format(spec.name),
+                                  'give another name')
+        self._check_namespace(spec)
+        report = Report()
+        assembly.add_robot_apart(self._simulator, spec, report)
+        robot = self._simulator.robots[-1]
+        try:
+            self.connect(robot)
+        except UserError:
+            self._simulator.world.remove(robot)
+            raise
+        self._simulator.world.report.extend([*spec.findings, *report.findings])
+        rospy.loginfo('added %s: %.4f kg with root link %s', spec.names.words,
+                      robot.body.mass(), robot.body.root)
+        self.log_start(robot)
+
+    def add_sensors(self, model: SimulatedModel) -> None:
+        """Add the sensors that the file of a model has, with their topics."""
+        world = self._simulator.world
+        assembly.add_sensors(world, model, SENSORS, world.report)
+        self.connect_of_file(model)
+
+    def _check_namespace(self, spec: ConfiguredModel) -> None:
+        if spec.names.namespace in self.namespaces():
+            raise SimulationError('there is a robot with the namespace {!r} already'.format(
+                spec.names.namespace), 'give it another robot_namespace')
+
+    def log_start(self, robot: Robot) -> None:
+        """Log where a robot starts."""
+        spawn = robot.settings.spawn
+        rospy.loginfo('%s is at the start: x %.2f m, y %.2f m, yaw %.2f rad',
+                      robot.spec.names.words, spawn.x_pos, spawn.y_pos, spawn.yaw)
+
+    def connect(self, model: SimulatedModel) -> None:
+        """Give the sensors of a model their topics, and a robot those of its drive.
+
+        Raises a UserError when two sensors have the same topic, or those of its cameras cannot be
+        used.
+        """
+        for mounted in model.sensors:
+            self._connect(model, mounted)
+
+    def _connect(self, model: SimulatedModel, mounted: MountedSensors) -> None:
+        spec, name = mounted.spec, mounted.body.name
+        check_topics(spec, [each.spec for each in self._topics.values()], rospy.resolve_name)
+        self._images.add_cameras(mounted)
+        if not isinstance(model, Robot):
+            self._topics[name] = ModelTopics(mounted)
+            return
+        model.drive.scale_timeout(self._timeout_scale)
+        self._topics[name] = self._robots[name] = RobotTopics(
+            model, self._transforms, self._calls, self._lockstep)
+        odometry = model.odometry
+        if self._world_tf and spec.names.namespace and odometry.publish_odom_tf:
+            self._statics.set('world of ' + name, [plane_transform(
+                PlanePose(*model.odometry_origin), WORLD_FRAME,
+                spec.names.frame(odometry.odom_frame))])
+        self._add_diagnostics(name)
+
+    def connect_of_file(self, model: SimulatedModel) -> None:
+        """Give a model of the world that drives or has sensors its topics.
+
+        Where that cannot be, a line of the log says why, and it has none.
+        """
+        for mounted in model.sensors:
+            mounted.spec = in_namespace(mounted.spec)
+            try:
+                if model.is_robot:
+                    self._check_namespace(mounted.spec)
+                self._connect(model, mounted)
+            except UserError as error:
+                rospy.logerr('model %s has no topics: %s', mounted.body.name, one_line(error))
+
+    def remove(self, name: str) -> None:
+        """Remove a model with its topics; SimulationError for the floor, and if there is none."""
+        for mounted in self._models.remove(name).sensors:
+            self._images.remove_cameras(mounted)
+            topics = self._topics.pop(mounted.body.name, None)
+            if topics is None:
+                continue
+            topics.close()
+            if self._robots.pop(mounted.body.name, None):
+                namespace = topics.spec.names.namespace
+                if self._diagnostics is not None and namespace:
+                    self._diagnostics.remove(mounted.body.name)
+                if self._lockstep is not None and namespace:
+                    self._lockstep.forget(namespace)
+                self._statics.remove('world of ' + mounted.body.name)
+                rospy.loginfo('%s was removed', topics.spec.names.words)
+
+    def __contains__(self, name: str) -> bool:
+        return name in self._robots
+
+    def apply_commands(self) -> None:
+        """Apply the newest commands."""
+        for robot in self._robots.values():
+            robot.apply_command()
+
+    def disable_unused(self) -> None:
+        """Disable the sensors that have no subscriber."""
+        for topics in self._topics.values():
+            topics.disable_unused()
+
+    def namespaces(self, names: Optional[Collection[str]] = None) -> List[str]:
+        """Return the namespaces of the robots with some names, or of all."""
+        return [robot.spec.names.namespace for name, robot in self._robots.items()
+                if names is None or name in names]
+
+    def discard_commands(self) -> None:
+        """Drop commands that were not applied yet."""
+        for robot in self._robots.values():
+            robot.discard_command()
+
+    def publish(self, readings: Sequence[Reading]) -> None:
+        """Publish the readings of all sensors but cameras."""
+        found: Dict[str, List[Reading]] = {name: [] for name in self._topics}
+        for reading in readings:
+            if reading.robot in found and not self._images.is_camera(reading):
+                found[reading.robot].append(reading)
+        for name, topics in self._topics.items():
+            topics.publish(found[name])
+        self._transforms.flush()
+
+    def scale_timeouts(self, scale: float) -> None:
+        """Make `cmd_vel_timeout` of all robots, also later ones, `scale` times as long."""
+        self._timeout_scale = scale
+        for robot in self._robots.values():
+            robot.robot.drive.scale_timeout(scale)
+
+    def use_diagnostics(self, diagnostics: NodeDiagnostics) -> None:
+        """Report each robot with a namespace as a separate status from now on."""
+        self._diagnostics = diagnostics
+        for name in self._robots:
+            self._add_diagnostics(name)
+
+    def _add_diagnostics(self, name: str) -> None:
+        robot = self._robots[name]
+        if self._diagnostics is not None and robot.spec.names.namespace:
+            self._diagnostics.add(name, robot.report)
+
+    def report(self, status: DiagnosticStatusWrapper) -> None:
+        """Add the robot without a namespace to a status; to be called once in each period."""
+        for robot in list(self._robots.values()):
+            if not robot.spec.names.namespace:
+                robot.report(status)

@@ -4,15 +4,19 @@ from typing import List, NamedTuple, Optional, Sequence
 import numpy as np
 
 from img_recog.command_line.results import text_table
-from img_recog.formats.audit import Finding
+from img_recog.report import LEFT_OUT, NOTE, Finding, Report
 
-SIMULATED, MEASURED, ASSUMED = 'simulated', 'measured', 'assumed'
-NOT_SIMULATED, NOT_DRAWN, LEFT_OUT = 'not simulated', 'not drawn', 'left out'
+SIMULATED, MEASURED = 'simulated', 'measured'
 _HEAD = ('state', 'what', 'value', 'from')
 
 
 class CheckRow(NamedTuple):
-    """A line of the table; state: one of the constants above; source: where the value is from."""
+    """A line of the table.
+
+    Attributes:
+        state: One of the constants above, or the kind of a finding.
+        source: Where the value is from.
+    """
 
     state: str
     what: str
@@ -39,9 +43,16 @@ class CheckReport(NamedTuple):
                           *('warning: ' + warning for warning in self.warnings), ''])
 
 
-def rows_of(findings: Sequence[Finding]) -> List[CheckRow]:
-    """Return a row for each finding of the audit."""
-    return [CheckRow(finding.state, finding.what, finding.places_text()) for finding in findings]
+def rows_of(report: Report) -> List[CheckRow]:
+    """Return a row for each finding that is not only a line."""
+    return [CheckRow(finding.kind, finding.what, finding.places(),
+                     'needs allow_partial_world:=true' * _is_of_world(finding))
+            for finding in report.findings if finding.kind != NOTE]
+
+
+def _is_of_world(finding: Finding) -> bool:
+    """Return whether a world without this is refused."""
+    return finding.kind == LEFT_OUT and finding.owner.startswith('world ')
 
 
 def size(box: Optional[np.ndarray]) -> str:
