@@ -101,17 +101,6 @@ def from_rpy(rpy: Numbers) -> np.ndarray:
                      [-sp, cp * sr, cp * cr]])
 
 
-def from_z(axis: np.ndarray) -> np.ndarray:
-    """Return a rotation (3, 3) that turns the z axis to a unit vector (3,).
-
-    >>> (from_z(np.array((1.0, 0.0, 0.0))) @ (0, 0, 2)).tolist()
-    [2.0, 0.0, 0.0]
-    """
-    across = np.cross(axis, np.eye(3)[np.argmin(np.abs(axis))])
-    across /= np.linalg.norm(across)
-    return np.column_stack((np.cross(across, axis), across, axis))
-
-
 def to_rpy(rotation: np.ndarray) -> np.ndarray:
     """Return roll, pitch and yaw of a matrix, the inverse of `from_rpy`.
 

@@ -9,7 +9,7 @@ import numpy as np
 from img_recog.formats.meshes import mesh_file
 from img_recog.formats.meshes.mesh_file import MeshError
 from img_recog.model import CYLINDER, FIXED, MESH, SPHERE, Joint, Look, Model, Solid
-from img_recog.rotations import IDENTITY, Transform, from_z
+from img_recog.rotations import IDENTITY, Transform
 from img_recog.simulation.simulation_settings import DriveSettings
 
 _TOLERANCE = 0.05       # relative: Gazebo's tags are often rounded
@@ -157,7 +157,8 @@ def mesh_outline(shape: Union[Solid, Look], axis: np.ndarray) -> Optional[Outlin
         corners = (_corners(path, _changed_at(path)) * scale) @ pose.rotation.T + pose.translation
     except MeshError:
         return None         # it is refused where it is needed
-    across = from_z(axis)[:, 1]
+    across = np.cross(axis, np.eye(3)[np.argmin(np.abs(axis))])
+    across /= np.linalg.norm(across)
     plane = np.column_stack((corners @ across, corners @ np.cross(axis, across)))
     distances = np.linalg.norm(cv2.convexHull(plane.astype(np.float32))[:, 0], axis=1)
     radius = float(distances.max())

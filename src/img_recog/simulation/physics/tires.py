@@ -15,7 +15,7 @@ import numpy as np
 
 from img_recog.model import (ALL_BITS, CONTINUOUS, CYLINDER, FIXED, MESH, PART, REVOLUTE, SPHERE,
                              Joint, Link, Model, Shape, Solid)
-from img_recog.rotations import IDENTITY, Transform, from_z
+from img_recog.rotations import IDENTITY, Transform
 from img_recog.simulation.wheels import mesh_outline, pose_in_root
 
 TREAD = '::tread_'      # in the name of a link with a tread, between the wheel's name and a number
@@ -93,7 +93,14 @@ def _round(solid: Solid, axis: np.ndarray) -> Solid:
     if outline is None or outline.diameter is None:
         return solid
     return solid._replace(shape=Shape(CYLINDER, (outline.diameter / 2, outline.width)),
-                          pose=Transform(from_z(axis), outline.middle))
+                          pose=Transform(_along(axis), outline.middle))
+
+
+def _along(axis: np.ndarray) -> np.ndarray:
+    """Return a rotation (3, 3) that turns z to an axis."""
+    across = np.cross(axis, np.eye(3)[np.argmin(np.abs(axis))])
+    across /= np.linalg.norm(across)
+    return np.column_stack((np.cross(across, axis), across, axis))
 
 
 def _treads(solid: Solid, joint: Joint, pose: Transform, many: bool) -> Iterator[Solid]:
