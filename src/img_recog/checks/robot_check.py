@@ -20,7 +20,7 @@ from img_recog.loading import assemble
 from img_recog.report import ASSUMED, NOT_SIMULATED
 from img_recog.simulation import wheels
 from img_recog.simulation.configured_model import ConfiguredModel, refused
-from img_recog.simulation.simulation_settings import PhysicsSettings
+from img_recog.simulation.simulation_settings import DriveSettings, PhysicsSettings
 from img_recog.simulation.simulator import Simulator
 from img_recog.simulation.simulated_model import Robot
 
@@ -30,7 +30,10 @@ _SECONDS, _COMMAND_PERIOD_S = 2.0, 0.1
 _DRIVES, _SLIPS = 0.9, 0.2
 _DRIFT_M = 0.02         # of a robot that turns in place
 _TURNING = 'turning'
+# rad: along the axes of the world, which the friction has, and between them
+_HEADINGS = 0.0, 0.785
 _WHEELS = 'see the axes, the shapes and the friction of its wheels'
+_LEANS = 0.0001, 0.05   # rad, of an axle that was meant to be level
 # units of what is always shown
 _OF_WHEELS = {'left_joint': '', 'right_joint': '', 'wheel_separation': ' m',
               'wheel_diameter': ' m', 'wheel_torque': ' N m'}
@@ -62,7 +65,7 @@ def check(path: str, parameters: Sequence[str] = ()) -> CheckReport:
     if not wheels.measure(spec.model, drive).askew:
         built.report.listen(lambda line: lines.update({'{}: {}'.format(path, line): None}))
     driven = list(_driven(spec, simulator)) if drive.is_there else []
-    slips = max(len(drive.left_joints), len(drive.right_joints)) > 1
+    slips = _slips(drive)
     drifts = [each for each in driven if not each.asked]
     still = [each for each in driven if each.got < each.asked * (
         _SLIPS if slips and each.what == _TURNING else _DRIVES)]
@@ -174,6 +177,7 @@ class _Driven(NamedTuple):
     got: float
     asked: float
     unit: str
+    advice: str = _WHEELS
 
     def row(self) -> CheckRow:
         return CheckRow(MEASURED, self.what, '{:.3f} {}'.format(self.got, self.unit),
@@ -181,13 +185,14 @@ class _Driven(NamedTuple):
 
     def warning(self, source: str) -> str:
         return '{}: it does not drive as asked: {} {:.3f} {}, asked {:g}; {}'.format(
-            source, self.what, self.got, self.unit, self.asked, _WHEELS)
+            source, self.what, self.got, self.unit, self.asked, self.advice)
 
 
 def _driven(spec: ConfiguredModel, simulator: Simulator) -> Iterator[_Driven]:
     """Yield how fast the robot moves when it is told to, on the floor alone.
 
-    Also yield how far it moves when it is told to turn in place, if that is far.
+    Also yield how far it moves when it is told to turn in place, if that is far. If wheels slip in
+    a turn, that can depend on the heading.
     """
     robot = simulator.robots[0]
     for sensor in spec.sensors:
@@ -195,19 +200,45 @@ def _driven(spec: ConfiguredModel, simulator: Simulator) -> Iterator[_Driven]:
     drive = robot.settings.drive
     linear = min(_LINEAR, drive.max_linear_velocity or _LINEAR)
     angular = min(_ANGULAR, drive.max_angular_velocity or _ANGULAR)
-    for what, command, unit in (('straight', (linear, 0.0), 'm/s'),
-                                (_TURNING, (0.0, angular), 'rad/s')):
+    turn = 0.0, angular
+    for what, command, unit, heading in (
+            ('straight', (linear, 0.0), 'm/s', 0.0),
+            *((_TURNING, turn, 'rad/s', each) for each in _HEADINGS[:1 + _slips(drive)])):
         simulator.reset_world()
+        if heading:
+            x, y, _ = robot.body.motion().position.tolist()
+            robot.move_to(x, y, heading)
         _drive_on(simulator, command)
         start, middle = robot.body.motion(), _middle_of_wheels(robot)
         _drive_on(simulator, command)
         end, moved = robot.body.motion(), _middle_of_wheels(robot) - middle
         way = math.remainder(end.yaw - start.yaw, 2 * math.pi) if command[1] else float(
             (end.position - start.position) @ (math.cos(start.yaw), math.sin(start.yaw), 0.0))
-        yield _Driven(what, way / _SECONDS, sum(command), unit)
+        if not heading:
+            yield _Driven(what, way / _SECONDS, sum(command), unit)
         drift = float(np.linalg.norm(moved[:2]))
         if command[1] and drift > _DRIFT_M:
-            yield _Driven('moved while turning', drift, 0.0, 'm')
+            yield _Driven('moved while turning' + (
+                ' at a heading of {:g} rad'.format(heading) if heading else ''),
+                drift, 0.0, 'm', _advice(spec, drive))
+            return
+
+
+def _slips(drive: DriveSettings) -> bool:
+    """Return whether wheels in line on one side slip when the robot turns."""
+    return max(len(drive.left_joints), len(drive.right_joints)) > 1
+
+
+def _advice(spec: ConfiguredModel, drive: DriveSettings) -> str:
+    """Return what to do about a robot that moves while it turns in place."""
+    for joint in spec.model.joints:
+        if _slips(drive) and joint.name in (*drive.left_joints, *drive.right_joints):
+            axle = wheels.pose_in_root(joint, spec.model).rotation @ joint.axis
+            lean = math.asin(min(abs(axle[2]), 1.0))
+            if _LEANS[0] < lean < _LEANS[1]:
+                return ('the axle of {} leans by {:.4f} rad, so one edge of each wheel carries '
+                        'the load; if its rpy has 1.57, write 1.5707963').format(joint.name, lean)
+    return _WHEELS
 
 
 def _middle_of_wheels(robot: Robot) -> np.ndarray:

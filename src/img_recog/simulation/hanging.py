@@ -3,7 +3,7 @@ from typing import Dict, List, Sequence, Set
 
 from img_recog import rotations
 from img_recog.report import NOTE, Report
-from img_recog.simulation.physics import contacts, tires
+from img_recog.simulation.physics import tires
 from img_recog.simulation.simulated_model import Robot
 
 _LOOKS = 2              # in a row: at the start, a robot may still fall
@@ -41,5 +41,5 @@ def _standing_on(robot: Robot) -> List[str]:
               if name in body.joints}
     if not driven or rotations.matrix(body.pose().orientation)[2, 2] < _UPRIGHT:
         return []
-    touching = {names[point.link] for point in contacts.of(body) if point.force > 0}
+    touching = {names[point.link] for point in body.contacts() if point.force > 0}
     return [] if touching & driven else sorted(touching)

@@ -5,7 +5,6 @@ from img_recog.report import NOTE
 from img_recog.simulation.guard import Guard
 from img_recog.simulation.hanging import HangingWheels
 from img_recog.simulation.mounted_sensors import MountedSensors, Reading
-from img_recog.simulation.physics import contacts
 from img_recog.simulation.physics.body import Body
 from img_recog.simulation.physics.standing import MAX_DEPTH_M
 from img_recog.simulation.physics.world import World
@@ -129,7 +128,7 @@ class Simulator:
         """Return the names of the bodies that a robot overlaps with, deeper than contacts do."""
         names = {each.body_id: each.name for model in self.world.models for each in model.bodies}
         deep = [names.get(contact.other, body.name)
-                for contact in contacts.of(body, detect=True) if contact.depth_m > MAX_DEPTH_M]
+                for contact in body.contacts(detect=True) if contact.depth_m > MAX_DEPTH_M]
         return list(dict.fromkeys(deep))
 
     def touched(self, body: Body) -> List[str]:
@@ -137,7 +136,7 @@ class Simulator:
 
         What it stands on does not.
         """
-        found = {contact.other for contact in contacts.of(body)
+        found = {contact.other for contact in body.contacts()
                  if contact.other != body.body_id and contact.depth_m >= 0
                  and abs(contact.up) < _STEEP}
         if not found:       # most often

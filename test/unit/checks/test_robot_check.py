@@ -1,10 +1,13 @@
 """What is said of robots: given, measured or assumed, and how fast they drive."""
+import math
+
 import pytest
 
 from img_recog.checks import robot_check
 from img_recog_helpers import expected
 from img_recog_helpers.refusals import refusal
 from img_recog_helpers.robots import burger
+from img_recog_helpers.wheeled import plugin, robot
 
 DRIVE = '''<gazebo><plugin name="drive" filename="libgazebo_ros_diff_drive.so">
   <leftJoint>wheel_left_joint</leftJoint><rightJoint>wheel_right_joint</rightJoint>
@@ -13,6 +16,9 @@ DRIVE = '''<gazebo><plugin name="drive" filename="libgazebo_ros_diff_drive.so">
 WHEELS = '''<gazebo><plugin name="drive" filename="libgazebo_ros_diff_drive.so">
   <leftJoint>wheel_left_joint</leftJoint><rightJoint>wheel_right_joint</rightJoint></plugin>
   </gazebo>'''
+SKID = plugin('gazebo_ros_skid_steer_drive', leftFrontJoint='left_0_joint', torque=20,
+              leftRearJoint='left_1_joint', rightFrontJoint='right_0_joint',
+              rightRearJoint='right_1_joint', robotBaseFrame='base_link')
 LAMP = '<gazebo><plugin name="lamp" filename="liblamp.so"/></gazebo>'
 CAMERA = '''<gazebo reference="camera_link"><sensor type="camera" name="front">
   <update_rate>10</update_rate><camera><image><width>320</width><height>240</height></image>
@@ -99,6 +105,21 @@ def test_a_robot_that_moves_while_it_turns_is_named(check):
     assert row.source == 'asked 0 m'
     assert any('it does not drive as asked: moved while turning ' in line
                for line in report.warnings), report.warnings
+
+
+@pytest.mark.parametrize('roll, drifts', [('1.57', True), ('1.5707963', False)])
+def test_a_skid_steered_robot_is_also_turned_at_a_heading_between_the_axes(tmp_path, roll, drifts):
+    path = tmp_path / 'robot.urdf'
+    path.write_text(robot(SKID, rows=(0.15, -0.15)).replace(str(math.pi / 2), roll))
+    report = robot_check.check(str(path))
+    assert 'moved while turning' not in [row.what for row in report.rows]
+    found = [row.what for row in report.rows if row.what.startswith('moved while turning at')]
+    assert found == ['moved while turning at a heading of 0.785 rad'] * drifts
+    lines = [line for line in report.warnings if 'it does not drive as asked: ' in line]
+    assert len(lines) == drifts
+    assert all(line.endswith(
+        ' m, asked 0; the axle of left_0_joint leans by 0.0008 rad, so one edge of each wheel '
+        'carries the load; if its rpy has 1.57, write 1.5707963') for line in lines), lines
 
 
 def test_a_robot_that_cannot_be_used_is_refused(check, tmp_path):

@@ -3,7 +3,7 @@
 PyBullet itself uses the center of mass, in a frame aligned with the principal axes of inertia.
 """
 import math
-from typing import Dict, NamedTuple, Sequence, Set, Tuple
+from typing import Dict, List, NamedTuple, Optional, Sequence, Set, Tuple
 
 import numpy as np
 import pybullet
@@ -79,6 +79,21 @@ class Motion(NamedTuple):
         return rotations.yaw(self.orientation)
 
 
+class ContactPoint(NamedTuple):
+    """A point at which a body touches another one or itself.
+
+    link: PyBullet's number of the link of the body; other: PyBullet's id of the other body;
+    depth_m: how deep they are in one another, below 0 for a gap; up: the vertical part of the
+    normal, from -1 to 1; force: along the normal, in N.
+    """
+
+    link: int
+    other: int
+    depth_m: float
+    up: float
+    force: float
+
+
 class Body:
     """A body in a physics client.
 
@@ -136,10 +151,15 @@ class Body:
         return sum(pybullet.getDynamicsInfo(self.body_id, link, **self.client)[0]
                    for link in self.links)
 
-    def joint_values(self) -> Sequence[tuple]:
-        """Return position, velocity, reaction forces and motor torque of each movable joint."""
-        return pybullet.getJointStates(self.body_id, tuple(self.joints.values()),
-                                       **self.client) or ()
+    def joint_values(self, joints: Optional[Sequence[int]] = None) -> Sequence[tuple]:
+        """Return position, velocity, reaction forces and motor torque of joints.
+
+        Args:
+            joints: Indices of the joints, by default of all that move.
+        """
+        if joints is None:
+            joints = tuple(self.joints.values())
+        return pybullet.getJointStates(self.body_id, joints, **self.client) or ()
 
     def pose(self) -> BodyPose:
         """Return where the parts are now."""
@@ -149,11 +169,7 @@ class Body:
     def place(self, pose: BodyPose) -> None:
         """Move the parts to `pose`, at rest."""
         center = pybullet.multiplyTransforms(pose.position, pose.orientation, *self.mass_in_root)
-        self._place(center, pose.joints)
-
-    def _place(self, center: Tuple[Vector, Quaternion], joints: Sequence[float]) -> None:
-        """Move the parts, at rest; center: the pose of the frame of the base's center of mass."""
-        self.restore(BodyState(center, _REST, [(position, 0.0) for position in joints]))
+        self.restore(BodyState(center, _REST, [(position, 0.0) for position in pose.joints]))
 
     def state(self) -> BodyState:
         """Return where the parts are and how they move, for `restore`."""
@@ -211,29 +227,20 @@ class Body:
 
     def reset(self) -> None:
         """Move the parts back to their start, at rest: to the last bit, which `place` rounds."""
-        self._place(*self._start)
+        self.restore(self._start)
 
     def keep_as_start(self) -> None:
         """Let `reset` move the parts to where they are now; that is where they were loaded."""
-        self._start = self.center(), [value[0] for value in self.joint_values()]
-        self._place(*self._start)       # PyBullet rounds an orientation when it is set
+        self._start = self.state().at_rest()
+        self.restore(self._start)       # PyBullet rounds an orientation when it is set
 
     def motion(self) -> Motion:
         """Return the motion of the root link's frame."""
-        return motion_of_frame(*self.base_state(self._root_in_mass))
+        return motion_of_frame(*self.part_state(-1, self._root_in_mass))
 
     def speed(self) -> float:
         """Return the speed of the center of mass of the root link, in m/s."""
         return math.hypot(*self.velocity()[0])
-
-    def base_state(self, in_mass: Tuple[Vector, Quaternion]) -> FrameState:
-        """Return the state of a frame fixed to the base.
-
-        in_mass: the pose of that frame in the frame of the base's center of mass.
-        """
-        center = self.center()
-        return FrameState(pybullet.multiplyTransforms(*center, *in_mass), center[0],
-                          *self.velocity())
 
     def in_part(self, part: int, pose: Transform) -> Tuple[Vector, Quaternion]:
         """Return a constant pose in the frame of a part as `part_state` takes it.
@@ -247,11 +254,25 @@ class Body:
     def part_state(self, part: int, in_part: Tuple[Vector, Quaternion]) -> FrameState:
         """Return the state of a frame fixed to a part; arguments: see `in_part`."""
         if part == -1:
-            return self.base_state(in_part)
+            center = self.center()
+            return FrameState(pybullet.multiplyTransforms(*center, *in_part), center[0],
+                              *self.velocity())
         state = pybullet.getLinkState(self.body_id, part, computeLinkVelocity=1,
                                       computeForwardKinematics=1, **self.client)
         return FrameState(pybullet.multiplyTransforms(*state[4:6], *in_part), state[0],
                           *state[6:8])
+
+    def contacts(self, detect: bool = False) -> List[ContactPoint]:
+        """Return the contacts of the body in the last step of the physics.
+
+        detect: look for those of where the bodies are now instead.
+        """
+        if detect:
+            pybullet.performCollisionDetection(**self.client)
+        # of two robots, either may be the first body of a contact
+        return [ContactPoint(*((point[4], point[1]) if point[2] == self.body_id
+                               else (point[3], point[2])), -point[8], point[7][2], point[9])
+                for point in pybullet.getContactPoints(self.body_id, **self.client)]
 
     def set_velocity(self, linear: Vector, angular: Vector) -> None:
         """Set the velocity of the root link: m/s and rad/s, in the world."""

@@ -4,7 +4,7 @@ from typing import Dict, Iterator, Sequence, Tuple
 
 from img_recog.model import ALL_BITS, BOX, PLANE, Link, Model
 from img_recog.simulation.physics.framed_body import FramedBody
-from img_recog.simulation.physics.tires import TREAD, wheel_of
+from img_recog.simulation.physics.tires import TREAD
 
 # Two links collide in PyBullet if a group of one is in the mask of the other. A link without a
 # bitmask collides with all groups but those that its kind leaves out, and so does a ray, which is
@@ -38,7 +38,7 @@ def of_links(body: FramedBody) -> Dict[int, Tuple[int, int]]:
     static = body.static_links
     floors = {link.name for link in body.model.links if _is_floor(link)}
     # all solids of a link have one mask in PyBullet
-    bitmasks = body.of_solids(lambda solid: solid.bitmask)
+    bitmasks = body.of_solids(lambda link: link.solids[0].bitmask)
     found = {}
     for name, index in body.link_indices.items():
         if index in bitmasks:
@@ -72,11 +72,8 @@ def _solid_links(body: FramedBody) -> Iterator[Tuple[int, str, str]]:
     """Yield the index of each link with solids, its owner and the space of that."""
     owners = _owners(body.model)
     spaces = {link.name: link.space for link in body.model.links}
-    solid = {link.name for link in body.model.links if link.solids}
-    for name, index in body.link_indices.items():
-        wheel = wheel_of(name)
-        if wheel in solid:
-            yield index, owners[wheel], spaces[owners[wheel]]
+    for index, owner in body.of_solids(lambda link: owners[link.name]).items():
+        yield index, owner, spaces[owner]
 
 
 def _joined(model: Model) -> Iterator[Tuple[str, str]]:

@@ -1,18 +1,20 @@
 """A body whose links are known by the names that its file gives them."""
 import math
-from typing import Callable, Dict, Optional, Sequence, Set, Tuple, TypeVar
+from typing import Callable, Dict, List, Optional, Sequence, Set, Tuple, TypeVar
 
 import pybullet
 
 from img_recog.errors import SimulationError
 from img_recog.formats.sdf_frames import WORLD
 from img_recog.formats.sdf_models import BETWEEN_AXES
-from img_recog.model import CONTINUOUS, AttachedFrame, Limits, Model, Solid
+from img_recog.model import CONTINUOUS, AttachedFrame, Limits, Link, Model
 from img_recog.rotations import Quaternion, Transform
 from img_recog.simulation.physics.body import Body, FrameState, Motion, Vector, motion_of_frame
 from img_recog.simulation.physics.tires import TREAD, owner, wheel_of
 
 _HOLDING_FORCE = 1e6    # N or N m, of the motors of joints that are held at a position
+_MAX_GEAR_FORCE = 1e9   # N or N m: more than a gear ever takes
+_GEAR_ERP = 0.2         # share of an error of the positions that a gear takes back in a step
 
 T = TypeVar('T')
 
@@ -71,6 +73,20 @@ class FramedBody(Body):
         pybullet.applyExternalTorque(self.body_id, part, torque, pybullet.WORLD_FRAME,
                                      **self.client)
 
+    def add_gears(self) -> List[int]:
+        """Let the gears of the model hold; return PyBullet's numbers of their constraints.
+
+        They must be removed before the body.
+        """
+        ids = [pybullet.createConstraint(
+            self.body_id, self.joints[gear.joint], self.body_id, self.joints[gear.other],
+            pybullet.JOINT_GEAR, [0, 0, 1], [0, 0, 0], [0, 0, 0], **self.client)
+            for gear in self.model.gears]
+        for constraint, gear in zip(ids, self.model.gears):
+            pybullet.changeConstraint(constraint, gearRatio=gear.ratio, maxForce=_MAX_GEAR_FORCE,
+                                      erp=_GEAR_ERP, **self.client)
+        return ids
+
     def limits(self, joint: str) -> Limits:
         """Return the limits of the first axis of a joint, infinite where it has none."""
         for each in self.model.joints:
@@ -101,12 +117,12 @@ class FramedBody(Body):
         """Names of the wheels that have links with treads."""
         return {wheel_of(name) for name in self.link_indices if TREAD in name}
 
-    def of_solids(self, read: Callable[[Solid], T]) -> Dict[int, T]:
-        """Return a value of the first solid of each link with solids, by PyBullet's indices.
+    def of_solids(self, read: Callable[[Link], T]) -> Dict[int, T]:
+        """Return a value of each link with solids, by PyBullet's indices.
 
         Treads have the value of their wheel.
         """
-        values = {link.name: read(link.solids[0]) for link in self.model.links if link.solids}
+        values = {link.name: read(link) for link in self.model.links if link.solids}
         return {index: values[wheel_of(name)] for name, index in self.link_indices.items()
                 if wheel_of(name) in values}
 

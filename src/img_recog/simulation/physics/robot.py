@@ -79,14 +79,11 @@ class RobotBody(FramedBody):
 
     def wheel_positions(self) -> Tuple[float, ...]:
         """Return how far each wheel has turned since the reset, in rad, in the motors' order."""
-        return tuple(state[0] for state in self._wheel_states())
+        return tuple(state[0] for state in self.joint_values(self._wheels))
 
     def wheel_velocities(self) -> Tuple[float, ...]:
         """Return the angular velocities of the wheels, in rad/s."""
-        return tuple(state[1] for state in self._wheel_states())
-
-    def _wheel_states(self) -> Sequence[tuple]:
-        return pybullet.getJointStates(self.body_id, self._wheels, **self.client) or ()
+        return tuple(state[1] for state in self.joint_values(self._wheels))
 
     def set_wheel_velocities(self, velocities: Sequence[float]) -> None:
         """Set the target velocities of the motors of the wheels, in rad/s."""
@@ -101,8 +98,7 @@ class RobotBody(FramedBody):
 
         Right wheels come first, then left ones, then the others in the order of the model.
         """
-        states = pybullet.getJointStates(self.body_id, tuple(self._published.values()),
-                                         **self.client) or ()
+        states = self.joint_values(tuple(self._published.values()))
         return JointStates(tuple(self._published), [state[0] for state in states],
                            [state[1] for state in states], [state[3] for state in states])
 

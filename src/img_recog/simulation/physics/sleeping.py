@@ -11,7 +11,7 @@ from typing import Any, Dict, Iterable, List, Optional, Set
 
 import pybullet
 
-from img_recog.simulation.physics import contacts, crowding
+from img_recog.simulation.physics import crowding
 from img_recog.simulation.physics.body import Body
 from img_recog.simulation.physics.framed_body import FramedBody
 
@@ -87,7 +87,7 @@ class Sleeping:
         """
         if max(self._counts.values(), default=0) > _IDLE:
             near = crowding.near_bodies(body, _NEAR_M)
-            self.wake({*near, *(point.other for point in contacts.of(body))} - {body.body_id})
+            self.wake({*near, *(point.other for point in body.contacts())} - {body.body_id})
         slept = bool(self.wake([body.body_id])) or body.body_id in self._velocities
         self._stopped.pop(body.body_id, None)
         if slept:
@@ -134,8 +134,7 @@ class Sleeping:
     def _settled(self, bodies: Set[int]) -> Set[int]:
         """Return those of the bodies that rest on something and are near to nothing that moves."""
         others = {body: set(crowding.near_bodies(self._bodies[body], _NEAR_M)) for body in bodies
-                  if any(point[9] > 0 for point in pybullet.getContactPoints(
-                      body, **self._client))}       # forces
+                  if any(point.force > 0 for point in self._bodies[body].contacts())}
         still, settled = self._fixed | self.asleep, set(others)
         while True:
             restless = {body for body in settled if not others[body] <= settled | still}

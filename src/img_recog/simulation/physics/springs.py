@@ -152,7 +152,7 @@ def _as_moved(contact: Contact, mass: float, count: int, body: Body) -> Spring:
 
 
 def _contacts(body: FramedBody) -> Dict[int, Contact]:
-    return body.of_solids(lambda solid: solid.contact)
+    return body.of_solids(lambda link: link.solids[0].contact)
 
 
 class _Low(NamedTuple):

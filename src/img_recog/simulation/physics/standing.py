@@ -77,15 +77,9 @@ def depth(body: Body, other: Body) -> float:
 
 
 def links_in(body: Body, other: Body) -> Set[int]:
-    """Return the links that joints move of a body that are deeper in another one than contacts."""
+    """Return the moving links of a fixed body that are deeper in another body than contacts."""
     points = pybullet.getClosestPoints(body.body_id, other.body_id, 0.0, **body.client)
-    return {point[3] for point in points if point[8] < -MAX_DEPTH_M and _moves(body, point[3])}
-
-
-def _moves(body: Body, link: int) -> bool:
-    while link != -1 and link not in body.joints.values():
-        link = pybullet.getJointInfo(body.body_id, link, **body.client)[16]
-    return link != -1
+    return {point[3] for point in points if point[8] < -MAX_DEPTH_M} - body.static_links
 
 
 def _rise(body: Body, others: Sequence[Body]) -> Lift:

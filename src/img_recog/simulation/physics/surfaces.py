@@ -185,7 +185,7 @@ class Surfaces:
                 start = min(given, FLOOR_FRICTION) if never_moves else given
                 self._coefficients[link] = _Coefficient(given, never_moves, start)
                 if start != given:
-                    self._set_coefficient(link, start)
+                    self._change(link, lateralFriction=start)
         self._added = []
         self._products_differ = _can_differ(self._coefficients)
         self.needs_updates = bool(self._products_differ or self._wheels or self._on_wheels)
@@ -211,7 +211,7 @@ class Surfaces:
     def reset(self) -> None:
         """Begin at rest. Call it when everything was moved back to its start."""
         for link in self._changed:
-            self._set_coefficient(link, self._coefficients[link].start)
+            self._change(link, lateralFriction=self._coefficients[link].start)
         self._changed = {}
         for body_id in [*self._falling]:
             self._set_falling(body_id, False)
@@ -235,9 +235,7 @@ class Surfaces:
         """Let a robot land without bouncing: contacts slow it down before it touches."""
         (self._falling.add if falls else self._falling.discard)(body_id)
         for link in self._on_wheels[body_id]:
-            pybullet.changeDynamics(
-                body_id, link, contactProcessingThreshold=falls * _ALWAYS_M, **self._client)
-            self._forget_contacts((body_id, link))
+            self._change((body_id, link), contactProcessingThreshold=falls * _ALWAYS_M)
 
     def _update_coefficients(self) -> None:
         """Give each link that moves the coefficient that is right with what supports it most."""
@@ -258,7 +256,7 @@ class Surfaces:
             start = self._coefficients[link].start
             value = wanted.get(link, start)
             if value != self._changed.get(link, start):
-                self._set_coefficient(link, value)
+                self._change(link, lateralFriction=value)
         self._changed = wanted
 
     def _value(self, link: _Link, other: _Link, wanted: Dict[_Link, float]) -> float:
@@ -269,8 +267,8 @@ class Surfaces:
             return surface.start
         return lower / of_other
 
-    def _set_coefficient(self, link: _Link, value: float) -> None:
-        pybullet.changeDynamics(*link, lateralFriction=value, **self._client)
+    def _change(self, link: _Link, **values: float) -> None:
+        pybullet.changeDynamics(*link, **values, **self._client)
         self._forget_contacts(link)
 
 
@@ -350,24 +348,19 @@ def _factor(wheel: _Wheel, client: Dict[str, int]) -> float:
     # without numpy, which takes ten times as long for so little
     state = pybullet.getLinkState(wheel.body_id, next(iter(wheel.scales)), computeLinkVelocity=1,
                                   computeForwardKinematics=1, **client)
-    turned, (speed_x, speed_y, _), (turn_x, turn_y, _) = state[1], state[6], state[7]
-    x, y, _ = _rotated(turned, wheel.axle)
+    (speed_x, speed_y, _), (turn_x, turn_y, _) = state[6:8]
+    x, y, z, w = state[1]
+    back = -x, -y, -z, w
+    ((x, y, _),) = rotations.into_frame(back, wheel.axle)
     # the limits of both of PyBullet's directions add up
     factor = (math.hypot(x, y) or 1.0) / (abs(x) + abs(y) or 1.0)
     if wheel.turning is None:
         return factor
     # In ODE, the direction also points up and down while the wheel turns. Its horizontal part is
     # friction. Its vertical part is a load on the wheel, or lifts it.
-    x, y, z = _rotated(turned, wheel.turning)
+    ((x, y, z),) = rotations.into_frame(back, wheel.turning)
     slip = x * (speed_x - turn_y * wheel.radius) + y * (speed_y + turn_x * wheel.radius)
     share = max(-1.0, min(slip / _SLIPS_M_S, 1.0))
     return factor * (_MEAN_COSINE * math.sqrt(x * x + y * y + z * z)
                      if math.hypot(turn_x, turn_y) > _FAST_RAD_S
                      else math.hypot(x, y) / max(1 - share * wheel.mu * z, 1 / _MAX_LOAD))
-
-
-def _rotated(turned: rotations.Quaternion, vector: Vector) -> Vector:
-    """Return a vector in the world, given the rotation of its frame."""
-    rows, (x, y, z) = rotations.elements(*turned), vector
-    return (rows[0] * x + rows[1] * y + rows[2] * z, rows[3] * x + rows[4] * y + rows[5] * z,
-            rows[6] * x + rows[7] * y + rows[8] * z)

@@ -21,6 +21,7 @@ from img_recog.simulation.wheels import mesh_outline, pose_in_root
 TREAD = '::tread_'      # in the name of a link with a tread, between the wheel's name and a number
 ACROSS = '_across'      # at the end of the second one, if there is a direction of friction
 _TREAD_M = 0.002
+_TURNING = CONTINUOUS, REVOLUTE
 _MIN_LEAN = 1e-4        # rad, of an axle: from there on, only the lower edge of two wheels touches
 # In ODE, joints give way a little under the load, and more than two wheels stand on their outer
 # edges. A hair is enough for that.
@@ -39,10 +40,12 @@ def added(model: Model, driven: Collection[str] = ()) -> Model:
     links = {link.name: link for link in model.links}
     joints: List[Joint] = []
     # the joints of more wheels give way so much in ODE that an axle that leans is like others
-    many = _count_wheels(model) > 2
+    many = sum(joint.kind in _TURNING and any(
+        solid.shape.kind in (CYLINDER, MESH) for solid in links[joint.child].solids)
+        for joint in model.joints) > 2
     for joint in model.joints:
         joints.append(joint)
-        if joint.kind in (CONTINUOUS, REVOLUTE):
+        if joint.kind in _TURNING:
             wheel, axis = links[joint.child], np.asarray(joint.axis)
             if wheel.solids and all(_is_round(solid, axis) for solid in wheel.solids):
                 joints[-1] = _lower_than(wheel, joint)
@@ -59,13 +62,6 @@ def added(model: Model, driven: Collection[str] = ()) -> Model:
                 links[name] = Link(name, solids=(tread,), space=wheel.space)
                 joints.append(Joint(name, FIXED, joint.child, name))
     return dataclasses.replace(model, links=tuple(links.values()), joints=tuple(joints))
-
-
-def _count_wheels(model: Model) -> int:
-    solids = {link.name: link.solids for link in model.links}
-    return sum(joint.kind in (CONTINUOUS, REVOLUTE) and any(
-        solid.shape.kind in (CYLINDER, MESH) for solid in solids[joint.child])
-        for joint in model.joints)
 
 
 def _lower_than(wheel: Link, joint: Joint) -> Joint:

@@ -7,7 +7,7 @@ from img_recog.errors import SimulationError, shortened
 from img_recog.formats.world_file import WorldFile
 from img_recog.model import PLANE, AttachedFrame, Friction, Link, Model, Shape, Solid, Tree
 from img_recog.report import LEFT_OUT, LIFTED, NOTE, Finding, Report
-from img_recog.simulation.physics import build, crowding, gears, standing, tires
+from img_recog.simulation.physics import build, crowding, standing, tires
 from img_recog.simulation.physics.body import Body
 from img_recog.simulation.physics.client import all_or_nothing, client_argument
 from img_recog.simulation.physics.forces import Forces
@@ -227,7 +227,7 @@ class World:
         """Let the bodies of a model act like in Gazebo."""
         self._surfaces.add(bodies)
         for body in bodies:
-            self._adopted[body.body_id] = _Adopted(gears.add(body), Forces(
+            self._adopted[body.body_id] = _Adopted(body.add_gears(), Forces(
                 body, self.step_s, self.file.gravity, report.about('model ' + body.name)))
 
     def _remove_body(self, body: Body) -> None:

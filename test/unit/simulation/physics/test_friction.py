@@ -83,6 +83,18 @@ def test_how_far_a_box_slides(models, velocity, x_y):
     assert place(models, 2.0, velocity)[:2] == pytest.approx(x_y, rel=0.02, abs=0.006)
 
 
+def test_a_new_body_does_not_have_the_friction_of_a_removed_one():
+    floor = box(mu(0.5, 0.5), name='floor', size=(8, 8, 0.1), static=True)
+    simulator = sdf.simulated(sdf.BUILT_IN, floor + box(mu(1, 1), '0 0 0.15'))
+    simulator.advance(20)
+    simulator.world.remove(simulator.world.models[-1])
+    # PyBullet gives it the number of the removed one
+    simulator.world.load(sdf.world(box(mu(0.5, 0.5), '0 0 0.15')).trees)
+    body, = simulator.world.models[-1].bodies
+    body.set_velocity((2, 0, 0), (0, 0, 0))
+    assert sdf.figures(simulator, 2.0).links()['b::l'][0] == pytest.approx(0.408, rel=0.02)
+
+
 def test_each_collision_of_a_link_has_its_bitmask():
     bits = '<surface><contact><collide_bitmask>{}</collide_bitmask></contact></surface>'.format
     models = parts('b', '0 0 0.45', ('0 0 0', CUBE, bits('0x2')), ('0 0 -0.1', CUBE, bits('0x4')))
