@@ -131,8 +131,10 @@ class World:
         added = [(tree, body) for model in models if not model.is_robot
                  for tree, body in zip(model.trees, model.bodies)]
         if added:
+            is_alone = len(models) == 1
+            report = self.report.about('model ' + models[0].name) if is_alone else self.report
             try:
-                crowding.check([*self.scenery, *(body for _, body in added)], self._about(models))
+                crowding.check([*self.scenery, *(body for _, body in added)], report)
             except SimulationError:
                 self._remove(models)
                 raise
@@ -141,12 +143,6 @@ class World:
             model.name = self._free_name(model.name)
             self.models.append(model)
         self.notify_changed()
-
-    def _about(self, models: Sequence[ModelBodies]) -> Report:
-        """Return the report for what is said of models together: one alone is named."""
-        if len(models) != 1:
-            return self.report
-        return self.report.about('model ' + models[0].name)
 
     def _settle(self, added: Sequence[Tuple[Tree, FramedBody]]) -> None:
         """Put joints at their first positions, and what is in the floor onto it."""
