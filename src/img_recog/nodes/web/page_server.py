@@ -1,6 +1,8 @@
 """Serves the page: an HTTP server in a thread, and the socket that it listens on."""
+import ast
 import asyncio
 import contextlib
+import functools
 import logging
 import os
 import socket
@@ -38,6 +40,21 @@ def listen(host: str, port: int) -> socket.socket:
         host, port, min(port + PORTS - 1, _MAX_PORT), one_line(last)),
         'set web_port to a port from 1024 on' if isinstance(last, PermissionError) else
         'set web_host to an address of this computer, and web_port to a free port')
+
+
+def parse_in_turn() -> None:
+    """Let `ast.parse` run in one thread at a time, which NiceGUI calls for properties of elements.
+
+    In CPython 3.11, two threads that parse fail with "SystemError: AST constructor recursion depth
+    mismatch" if the garbage collector runs code of Python meanwhile. Then the page was an error.
+    """
+    parse, lock = ast.parse, threading.RLock()
+
+    @functools.wraps(parse)
+    def parse_alone(*arguments: Any, **options: Any) -> ast.AST:
+        with lock:
+            return parse(*arguments, **options)
+    ast.parse = parse_alone     # type: ignore[assignment]
 
 
 class _Reports(logging.Handler):

@@ -38,7 +38,8 @@ from img_recog.nodes.web.feed import Feed
 from img_recog.nodes.web.measurements import SystemTopics
 from img_recog.nodes.web.pictures import PictureTopics
 from img_recog.nodes.web.page_elements import Shared
-from img_recog.nodes.web.page_server import Server, address, listen, report_errors
+from img_recog.nodes.web.page_server import (Server, address, listen, parse_in_turn,
+                                             report_errors)
 from img_recog.nodes.web.shown_robots import ShownRobots, resolve
 from img_recog.nodes.web.tabs import TABS
 from img_recog.nodes.web.tuning import Tuning
@@ -77,6 +78,7 @@ class Web:
         if port != settings.web_port:
             rospy.logwarn('port %d is taken: the page is at port %d', settings.web_port, port)
         report_errors(self._warn_of)
+        parse_in_turn()
         token = secrets.token_urlsafe(16)
         self._address = address(sock, token)
         reminder = Throttle(_REMINDER_PERIOD_S)

@@ -1,9 +1,13 @@
 """The address of the page, and the server."""
+import ast
 import asyncio
 import contextlib
+import gc
 import logging
 import socket
+import sys
 import threading
+import time
 import urllib.request
 
 import pytest
@@ -270,3 +274,43 @@ def test_an_application_that_does_not_start_is_an_error():
     running.close()
     assert [str(error) for error in failures] == [
         'the page cannot be served: its application does not start']
+
+
+class Cycle:
+    """The garbage collector runs its code."""
+
+    def __init__(self):
+        self.cycle = self
+
+    def __del__(self):
+        sum(range(20))
+
+
+def test_threads_that_parse_do_not_disturb_one_another(monkeypatch):
+    monkeypatch.setattr(ast, 'parse', ast.parse)        # it is put back after the test
+    page_server.parse_in_turn()
+    errors, end_s = [], time.monotonic() + 1
+
+    def parse(depth):
+        return parse(depth - 1) if depth else ast.literal_eval('["a", ("b", {"c": [1, 2]})]')
+
+    def work(depth):
+        while time.monotonic() < end_s:
+            Cycle()
+            try:
+                parse(depth)
+            except SystemError as error:
+                errors.append(error)
+    threads = [threading.Thread(target=work, args=(depth,)) for depth in (1, 20)]
+    interval_s, thresholds = sys.getswitchinterval(), gc.get_threshold()
+    try:
+        sys.setswitchinterval(1e-6)
+        gc.set_threshold(5)
+        for thread in threads:
+            thread.start()
+        for thread in threads:
+            thread.join()
+    finally:
+        sys.setswitchinterval(interval_s)
+        gc.set_threshold(*thresholds)
+    assert errors == []
