@@ -1,4 +1,4 @@
-"""What is not done as a file asks: one list, from the first line that is read to the last step.
+"""The list of all that is not done as a file asks, from its first line to the last step.
 
 The lines of the log, the rows of check_robot.py and check_world.py, the refusal of a world that is
 not complete and the exit codes of programs are views of this list.
@@ -13,14 +13,14 @@ from img_recog.errors import SimulationError
 LEFT_OUT, NOT_FOUND, NOT_DRAWN = 'left out', 'not found', 'not drawn'
 NOT_SIMULATED, NOT_KNOWN = 'not simulated', 'not known'
 NOT_USED, NOT_UNIQUE = 'not used', 'not unique'
-# and what does not: a value that is in no file, something that was moved, a whole sentence
+# the rest does not: a value that is in no file, something that was moved, a whole sentence
 ASSUMED, LIFTED, NOTE = 'assumed', 'lifted', 'note'
 _PARTIAL = (LEFT_OUT, NOT_FOUND, NOT_DRAWN, NOT_SIMULATED, NOT_KNOWN, NOT_USED, NOT_UNIQUE)
 _PHRASES = {LEFT_OUT: 'loaded without', NOT_FOUND: 'not found, drawn in another color',
             LIFTED: 'in the floor at the start, and lifted onto it'}
 _MAX_PLACES = 3             # that a line names
 NOT_DOWNLOADED = 'a URL, which is not downloaded'
-# what helps when a finding fits a pattern; the scripts of a material are in the folder of a model
+# advice for findings that fit a pattern; the scripts of a material are in the folder of a model
 _ADVICE = (
     ('model://|^material (?!Gazebo/)', 'set GAZEBO_MODEL_PATH to the folders of the models'),
     ('file://(?!/)', 'set GAZEBO_RESOURCE_PATH to the folders from which their paths start'),

@@ -14,7 +14,7 @@ import sys
 import threading
 
 PACKAGE = os.path.join(os.path.dirname(os.path.abspath(__file__)), '..', '..', 'src', 'img_recog')
-_MAX_DEPTH = 4          # of a tuple in a tuple, or a message in a message
+_MAX_DEPTH = 4          # levels of tuples and messages in one another
 # functions of a node that call all else: what is above them is the same for every value
 _LOOPS = ('spin',)
 

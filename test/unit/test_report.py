@@ -1,4 +1,4 @@
-"""What of a file cannot be used."""
+"""Findings, and the views of their list."""
 import pytest
 
 from img_recog.errors import SimulationError

@@ -10,7 +10,7 @@ from img_recog_helpers import expected, printed
 from img_recog_helpers.parsed import given, lumped
 from img_recog_helpers.sdf import sdf
 
-# of a WorldFile, what is printed apart, or is empty until findings are added
+# fields of a WorldFile that are printed apart, or empty until findings are added
 APART = 'trees', 'lights', 'has_floor', 'findings'
 
 

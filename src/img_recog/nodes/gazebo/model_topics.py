@@ -246,7 +246,7 @@ class WorldTopics:
         self._transforms = Transforms()
         self._timeout_scale = 1.0
         self._topics: Dict[str, ModelTopics] = {}       # by the names of bodies
-        self._robots: Dict[str, RobotTopics] = {}       # those of robots
+        self._robots: Dict[str, RobotTopics] = {}       # the robots among them
 
     def add(self, spec: ConfiguredModel) -> None:
         """Add a robot, apart from the others and the walls, and log its warnings.

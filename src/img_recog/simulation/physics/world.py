@@ -210,7 +210,7 @@ class World:
         return standing.lift(body, self._planes(), others)
 
     def _planes(self, added: Iterable[Body] = ()) -> List[Body]:
-        return [body for body in (self.floor, *self.scenery, *added) if body and body.is_plane]
+        return [body for body in (*self.fixed, *added) if body.is_plane]      # a plane never moves
 
     def _free_of(self, plane: Body, body: Body) -> None:
         """Let what a joint holds deep in a plane not meet it: nothing could push it out."""
