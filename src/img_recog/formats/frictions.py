@@ -4,11 +4,9 @@ from typing import Callable, Dict, Optional
 
 import numpy as np
 
-from img_recog.formats.numbers import read_lengths, read_number
+from img_recog.formats.reader import read
 from img_recog.model import FLOOR_FRICTION, Contact, Friction
 
-# of a negative coefficient, which in Gazebo means as much as there can be
-_MOST = 100.0      # of any coefficient: the forces of larger ones are not computable
 # the fields of a Contact, below <surface> and in a tag of a URDF
 _CONTACTS = {'stiffness': ('contact/ode/kp', 'kp'), 'damping': ('contact/ode/kd', 'kd'),
              'fastest': ('contact/ode/max_vel', 'maxVel'),
@@ -38,13 +36,14 @@ def of_texts(text_of: TextOf, link: str, mu: str) -> Optional[Friction]:
     first, second, along = text_of(mu), text_of('mu2'), text_of('fdir1')
     if first is second is along is None:
         return None
-    direction = read_lengths('<fdir1> of link ' + link, along or '0 0 0', 3)
+    direction = read('3lengths', along or '0 0 0', '<fdir1> of link ' + link)
     if 0 < np.abs(direction).max() < _SHORT:    # it would be lost when it is rounded
         direction /= np.abs(direction).max()
-    return Friction(
-        _coefficient('<{}> of link {}'.format(mu, link), first),
-        _coefficient('<mu2> of link ' + link, second),
-        tuple(direction.tolist()) if np.any(direction) else ())
+    one, other = (
+        FLOOR_FRICTION if text is None else read('friction', text,
+                                                 '<{}> of link {}'.format(tag, link))
+        for tag, text in ((mu, first), ('mu2', second)))
+    return Friction(one, other, tuple(direction.tolist()) if np.any(direction) else ())
 
 
 def contact_of(collision: ElementTree.Element, link: str, text_of: TextOf) -> Contact:
@@ -56,19 +55,12 @@ def contact_of(collision: ElementTree.Element, link: str, text_of: TextOf) -> Co
     for field, (path, tag) in _CONTACTS.items():
         text = (text_of(tag) if tag else None) or collision.findtext('surface/' + path)
         if text is not None:
-            found[field] = max(0.0, read_number(
-                '<{}> of link {}'.format(path.rpartition('/')[2], link), text))
+            found[field] = read('positive', text,
+                                '<{}> of link {}'.format(path.rpartition('/')[2], link))
     contact = Contact(**found)
     threshold = collision.findtext('surface/bounce/threshold')
-    if threshold is None or read_number('<threshold> of link ' + link, threshold) > _FAST_M_S:
+    if threshold is None or read('number', threshold, '<threshold> of link ' + link) > _FAST_M_S:
         contact = contact._replace(bounce=0.0)
     # all that is hard is one surface
     return contact if (contact.stiffness < _HARD_N_M or contact.slack or contact.throws
                        or contact.bounce) else Contact()
-
-
-def _coefficient(name: str, text: Optional[str]) -> float:
-    if text is None:
-        return FLOOR_FRICTION
-    value = read_number(name, text)
-    return min(value, _MOST) if value >= 0 else _MOST

@@ -2,12 +2,9 @@
 import xml.etree.ElementTree as ElementTree
 from typing import Optional, Sequence
 
-import numpy as np
-
 from img_recog.files import FindFile
 from img_recog.formats import gazebo_materials, material_scripts
-from img_recog.formats.numbers import read_number, read_numbers
-from img_recog.formats.texts import name_of, text_of
+from img_recog.formats.reader import text_of, value
 from img_recog.model import Color, Material, Rgb
 from img_recog.report import NOT_FOUND, Report
 
@@ -25,15 +22,15 @@ def of_sdf(visual: ElementTree.Element, find: FindFile, report: Report) -> Optio
     is not found.
     """
     material = _scripted(visual, find, report)
-    colors = {tag: color_of(visual, 'material/' + tag)
+    colors = {tag: value(visual, 'material/' + tag)
               for tag in ('ambient', 'diffuse', 'specular', 'emissive')}
     if any(color is not None for color in colors.values()):
         material = _colored(material or Material(), **colors)
-    if text_of(visual, 'material/lighting').lower() in ('0', 'false'):      # it is as it is
+    if not value(visual, 'material/lighting'):      # it is as it is
         material = material or Material()
         material = material._replace(color=(*_DARK, material.color[3]), ambient=_DARK,
                                      specular=_DARK, emissive=(1.0, 1.0, 1.0))
-    return material and material.faded(opacity(visual))
+    return material
 
 
 def _colored(material: Material, ambient: Optional[Color], diffuse: Optional[Color],
@@ -48,25 +45,7 @@ def _colored(material: Material, ambient: Optional[Color], diffuse: Optional[Col
 
 def opacity(visual: ElementTree.Element) -> float:
     """Return the opacity that the <transparency> of an SDF <visual> leaves."""
-    transparency = read_number('<transparency> of visual ' + name_of(visual),
-                               visual.findtext('transparency', '0'))
-    return min(max(1.0 - transparency, 0.0), 1.0)
-
-
-def color_of(element: ElementTree.Element, path: str) -> Optional[Color]:
-    """Return a color in an element, None without; an opacity may be omitted.
-
-    Like in Gazebo, what is more than 1 counts as of 255.
-    """
-    text = element.findtext(path)
-    if text is None:
-        return None
-    words = text.split()
-    values = read_numbers(
-        '<{}> of {} {}'.format(path.split('/')[-1], element.tag, name_of(element)),
-        ' '.join(words + ['1'] * (len(words) == 3)), 4)
-    red, green, blue, alpha = np.where(values > 1, values / 255, values).clip(0, 1).tolist()
-    return red, green, blue, alpha
+    return min(max(1.0 - value(visual, 'transparency'), 0.0), 1.0)
 
 
 def of_script(name: str, uris: Sequence[str], find: FindFile,

@@ -14,13 +14,12 @@ from img_recog.formats import (lights, sdf_frames, sdf_models, sdf_populations, 
                                sdf_states)
 from img_recog.formats import audit
 from img_recog.formats.markup import parse_xml
-from img_recog.formats.numbers import read_numbers
+from img_recog.formats.reader import name_of, text_of, value
 from img_recog.formats.sdf_files import find_above, find_relative, model_file, parsed
 from img_recog.formats.sdf_frames import Scope
 from img_recog.formats.sdf_joints import INCLUDED
 from img_recog.formats.sdf_states import Starts
 from img_recog.formats.sdf_versions import Version, version_of
-from img_recog.formats.texts import is_true, name_of, text_of
 from img_recog.model import SUN, Light, Surroundings, Tree
 from img_recog.report import NOT_DOWNLOADED, NOT_USED, Finding, Report
 from img_recog.rotations import Transform
@@ -81,15 +80,14 @@ def read(root: ElementTree.Element, path: str, find: FindFile, report: Report) -
     gravity, camera, surroundings = GRAVITY, None, Surroundings()
     if world is not None:
         with report.left_out():
-            text = world.findtext('gravity')
-            in_physics = world.findtext('physics/gravity')
-            if text is None and in_physics is not None and version_of(root) >= (1, 6):
+            given, in_physics = value(world, 'gravity'), value(world, 'physics/gravity')
+            if given is None and in_physics is not None and version_of(root) >= (1, 6):
                 report.add(NOT_USED, '<gravity> in <physics>, since SDF 1.6',
                                      'the world')        # as in Gazebo
-            elif text is None:
-                text = in_physics
-            if text is not None:
-                gravity = tuple(read_numbers('<gravity>', text, 3).tolist())
+            elif given is None:
+                given = in_physics
+            if given is not None:
+                gravity = tuple(given.tolist())
         with report.left_out():
             element = world.find('gui/camera')
             if element is not None and element.find('pose') is not None:
@@ -235,7 +233,7 @@ class _Reader:
             with self._report.left_out():
                 for included, _, _ in self._included(include, path, stack):
                     included.set(INCLUDED, '1')
-                    if is_true(included.findtext('static')):        # as in Gazebo
+                    if value(included, 'static'):        # as in Gazebo
                         _replace(model, 'static', included)
                     model.append(included)
         for nested in inside:

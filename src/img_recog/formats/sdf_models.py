@@ -7,11 +7,11 @@ import numpy as np
 
 from img_recog.files import FindFile
 from img_recog.formats import frictions, lights, lumping, sdf_gears, sdf_links, sdf_states
+from img_recog.formats.reader import name_of, value
 from img_recog.formats.sdf_frames import WORLD, pose_of
 from img_recog.formats.sdf_joints import NO_LIMIT, SCREW, Axis, Joints, SdfJoint, SdfLink
 from img_recog.formats.sdf_states import Starts
 from img_recog.formats.sdf_versions import Version
-from img_recog.formats.texts import is_true, name_of
 from img_recog.model import (CONTINUOUS, FIXED, HEIGHTMAP, NO_INERTIA, PLANE, PRISMATIC, REVOLUTE,
                              AttachedFrame, Gear, Inertia, Joint, Light, Limits, Link, Look, Model,
                              Solid, Tag, Tree)
@@ -178,7 +178,7 @@ class _Builder:
         elif not solids and len(link.element.findall('collision')) > _count_grounds(link.element):
             solids = [Solid(look.shape, look.pose) for look in looks if look.shape.kind != PLANE]
         self._links.append(Link(link.name, inertia, tuple(solids), tuple(looks),
-                                has_gravity=is_true(link.element.findtext('gravity', '1')),
+                                has_gravity=value(link.element, 'gravity'),
                                 decay=decay, space=link.space, lights=tuple(lamps)))
 
     def _add_ground(self, link: SdfLink, collision: ElementTree.Element, solid: Solid) -> None:

@@ -6,8 +6,7 @@ import numpy as np
 from img_recog.errors import SimulationError
 from img_recog.files import FindFile
 from img_recog.formats import gazebo_materials, generated_meshes, materials
-from img_recog.formats.numbers import read_lengths
-from img_recog.formats.texts import name_of
+from img_recog.formats.reader import name_of, value, values
 from img_recog.model import MESH, Link, Look, Model, Shape, Tree
 from img_recog.report import Report
 from img_recog.rotations import IDENTITY
@@ -23,9 +22,8 @@ def tree(road: ElementTree.Element, find: FindFile, report: Report) -> Tree:
     found. Raises SimulationError when a number is wrong, or it has fewer than two points.
     """
     name = 'road {}'.format(name_of(road)).strip()
-    points = np.array([read_lengths('<point> of ' + name, point.text, 3)
-                       for point in road.findall('point')]).reshape(-1, 3)
-    width = float(read_lengths('<width> of ' + name, road.findtext('width', '1'), 1)[0])
+    points = np.array(values(road, 'point')).reshape(-1, 3)
+    width = value(road, 'width')
     if len(points) < 2:
         raise SimulationError('{} has {} points, expected 2 or more'.format(name, len(points)))
     material = materials.of_sdf(road, find, report)

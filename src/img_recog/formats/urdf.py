@@ -10,8 +10,7 @@ from img_recog.files import FindFile
 from img_recog.formats import drive_controllers
 from img_recog.formats.drive_controllers import FindControllers
 from img_recog.formats.markup import MarkupError, check_expanded, parse_xml
-from img_recog.formats.numbers import read_axis, read_limit, read_number
-from img_recog.formats.texts import is_true, name_of
+from img_recog.formats.reader import is_true, name_of, read as read_text
 from img_recog.formats.urdf_links import Links, origin_of, text_of_tags
 from img_recog.model import FIXED, PRISMATIC, REVOLUTE, Joint, Limits, Model, Tag
 from img_recog.report import NOTE, Report
@@ -105,11 +104,11 @@ def _joint(joint: ElementTree.Element, links: List[str], robot: ElementTree.Elem
     direction = None
     # programs that export from CAD write the axis 0 0 0 where nothing moves
     if kind != FIXED:
-        direction = read_axis('axis of joint ' + name, '1 0 0' if axis is None
-                              else axis.get('xyz', '1 0 0'))
+        direction = read_text('axis', '1 0 0' if axis is None else axis.get('xyz', '1 0 0'),
+                              'axis of joint ' + name)
 
     def number(element: ElementTree.Element, key: str, default: str = '0') -> float:
-        return read_limit('{} of joint {}'.format(key, name), element.get(key, default))
+        return read_text('limit', element.get(key, default), '{} of joint {}'.format(key, name))
     limits = None
     if limit is not None:       # as in Gazebo, those that are swapped are put in order
         lower, upper = sorted(number(limit, key) for key in ('lower', 'upper'))
@@ -120,11 +119,12 @@ def _joint(joint: ElementTree.Element, links: List[str], robot: ElementTree.Elem
             'add <limit lower="..." upper="..." effort="..." velocity="..."/>' + (
                 ', or make its type continuous' if kind == REVOLUTE else ''))
     damping, friction = (
-        abs(read_number('{} of joint {}'.format(key, name),
-                        '0' if dynamics is None else dynamics.get(key, '0')))
+        abs(read_text('number', '0' if dynamics is None else dynamics.get(key, '0'),
+                      '{} of joint {}'.format(key, name)))
         for key in ('damping', 'friction'))
     stiffness, reference = (
-        read_number('<{}> of joint {}'.format(tag, name), text_of_tags(robot, name, tag) or '0')
+        read_text('number', text_of_tags(robot, name, tag) or '0',
+                  '<{}> of joint {}'.format(tag, name))
         for tag in ('springStiffness', 'springReference'))
     return Joint(name, kind, parent, child, origin_of(joint), direction, limits, damping, friction,
                  stiffness, reference)

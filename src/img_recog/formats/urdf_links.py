@@ -3,22 +3,22 @@ import os
 import xml.etree.ElementTree as ElementTree
 from typing import Any, Dict, List, Optional, Tuple
 
+import numpy as np
+
 from img_recog.errors import SimulationError
 from img_recog.files import FindFile
 from img_recog.formats import frictions, inertias, lights, materials
 from img_recog.formats.meshes.mesh_file import READABLE
-from img_recog.formats.numbers import (read_coefficient, read_lengths, read_mass,
-                                       read_number, read_numbers, read_share)
+from img_recog.formats.reader import is_true, name_of, read, text_of
 from img_recog.formats.sdf_frames import pose_of
 from img_recog.formats.sdf_links import bitmask
-from img_recog.formats.texts import is_true, name_of, text_of
 from img_recog.model import (ALL_BITS, BOX, CAPSULE, CYLINDER, MESH, NO_INERTIA, SPHERE, Friction,
                              Inertia, Link, Look, Material, Shape, Solid)
 from img_recog.report import LEFT_OUT, NOT_FOUND, Report
 from img_recog.rotations import IDENTITY, Transform, transform
 
-_SIZES = {BOX: (('size', 3),), CYLINDER: (('radius', 1), ('length', 1)), SPHERE: (('radius', 1),),
-          CAPSULE: (('radius', 1), ('length', 1))}
+_SIZES = {BOX: ('size',), CYLINDER: ('radius', 'length'), SPHERE: ('radius',),
+          CAPSULE: ('radius', 'length')}
 _DRAWN = (BOX, CYLINDER, SPHERE, MESH)
 _NOT_DRAWN = 'got the geometry {}, expected box, cylinder, sphere or mesh'
 
@@ -29,8 +29,8 @@ def origin_of(element: ElementTree.Element) -> Transform:
     if origin is None:
         return IDENTITY
     name = '<origin> in <{} {}>'.format(element.tag, name_of(element))
-    return transform(read_lengths(name, origin.get('xyz', '0 0 0'), 3),
-                     read_numbers(name, origin.get('rpy', '0 0 0'), 3))
+    return transform(read('3lengths', origin.get('xyz', '0 0 0'), name),
+                     read('3numbers', origin.get('rpy', '0 0 0'), name))
 
 
 def text_of_tags(robot: ElementTree.Element, name: str, *paths: str) -> str:
@@ -90,8 +90,8 @@ class Links:
 
     def _motion(self, name: str) -> Dict[str, Any]:
         """Return what Gazebo's tags say of how a link moves, as fields of a Link."""
-        factor = read_share('<dampingFactor> of link ' + name,
-                            text_of_tags(self._robot, name, 'dampingFactor') or '0')
+        factor = read('share', text_of_tags(self._robot, name, 'dampingFactor') or '0',
+                      '<dampingFactor> of link ' + name)
         collides = text_of_tags(self._robot, name, 'selfCollide', 'self_collide') or text_of_tags(
             self._robot, '', 'self_collide')
         # each tag says it in Gazebo, also one without <turnGravityOff>
@@ -158,8 +158,8 @@ class Links:
                    for tag in self._tags_of(name) for collision in tag.findall('collision'))]
         of_link = link.find('contact/lateral_friction')
         if of_link is not None:
-            found.append(Friction(read_coefficient('lateral_friction of link ' + name,
-                                                   of_link.get('value'))))
+            found.append(Friction(read('coefficient', of_link.get('value'),
+                                       'lateral_friction of link ' + name)))
         return next((each for each in found if each is not None), None)
 
     def _look(self, link: str, element: ElementTree.Element, owner: ElementTree.Element,
@@ -182,9 +182,9 @@ class Links:
         if color is None and not path:
             element = self._named.get(element.get('name'), element)
             color, path = self._color_and_texture(element)
-        red, green, blue, opacity = read_numbers(
-            'rgba of material ' + name_of(element),
-            '1 1 1 1' if color is None else color.get('rgba'), 4).tolist()
+        red, green, blue, opacity = read(
+            '4numbers', '1 1 1 1' if color is None else color.get('rgba'),
+            'rgba of material ' + name_of(element)).tolist()
         return None if color is None and not path else Material((red, green, blue, opacity), path)
 
     def _color_and_texture(self, element: ElementTree.Element
@@ -195,22 +195,23 @@ class Links:
 
     def _read_materials(self, tag: ElementTree.Element) -> None:
         """Read those of a <gazebo> tag, for all visuals of its link; the last one counts."""
-        found = [materials.of_sdf(shape, self._find, self._report)
+        found = [(materials.of_sdf(shape, self._find, self._report), materials.opacity(shape))
                  for shape in tag.findall('visual') if shape.find('material') is not None]
-        found.append(materials.of_script(text_of(tag, 'material'), (), self._find, self._report))
-        for material in found:
+        found.append((materials.of_script(text_of(tag, 'material'), (), self._find,
+                                          self._report), 1.0))
+        for material, opacity in found:
             if material is not None:
-                self._materials[tag.attrib['reference']] = material
+                self._materials[tag.attrib['reference']] = material.faded(opacity)
 
 
 def _size(element: ElementTree.Element) -> Tuple[float, ...]:
     """Return the size of a shape, or the scale of a mesh."""
     if element.tag == MESH:
-        return tuple(read_lengths('scale of mesh', element.get('scale', '1 1 1'), 3).tolist())
+        return tuple(read('3lengths', element.get('scale', '1 1 1'), 'scale of mesh').tolist())
     values = tuple(
-        value for name, count in _SIZES.get(element.tag, ())
-        for value in read_lengths('{} of {}'.format(name, element.tag), element.get(name),
-                                  count).tolist())
+        value for name in _SIZES.get(element.tag, ()) for value in np.ravel(read(
+            '3lengths' if name == 'size' else 'length', element.get(name),
+            '{} of {}'.format(name, element.tag))).tolist())
     if any(value < 0 for value in values):
         raise SimulationError('size of {}: got {}, expected no negative number'.format(
             element.tag, ' '.join('{:g}'.format(value) for value in values)))
@@ -218,8 +219,8 @@ def _size(element: ElementTree.Element) -> Tuple[float, ...]:
 
 
 def _contact(link: ElementTree.Element) -> Dict[str, float]:
-    return {each.tag: read_number('{} of link {}'.format(each.tag, name_of(link)),
-                                  each.get('value'))
+    return {each.tag: read('number', each.get('value'),
+                           '{} of link {}'.format(each.tag, name_of(link)))
             for each in link.findall('contact/*') if each.get('value') is not None}
 
 
@@ -231,9 +232,9 @@ def _inertia(link: ElementTree.Element) -> Optional[Inertia]:
     name, mass, inertia = name_of(link), inertial.find('mass'), inertial.find('inertia')
     if mass is None or inertia is None:
         raise SimulationError('link {}: <inertial> must have <mass> and <inertia>'.format(name))
-    kilograms = read_mass('mass of link ' + name, mass.get('value'))
+    kilograms = read('mass', mass.get('value'), 'mass of link ' + name)
     values = ' '.join(inertia.get(key, '0') for key in inertias.INERTIA_KEYS)
-    matrix = read_numbers('inertia of link ' + name, values, 9).reshape(3, 3)
+    matrix = read('9numbers', values, 'inertia of link ' + name).reshape(3, 3)
     if kilograms == 0:
         return NO_INERTIA
     inertias.check_mass('mass of link ' + name, kilograms, ' (or no <inertial>)')
