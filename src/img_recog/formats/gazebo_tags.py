@@ -2,7 +2,7 @@
 
 They are in the <gazebo> tags of a URDF, and in the links and the models of an SDF.
 
-drive_tags.py has the rows of drives, camera_values.py reads those of cameras, urdf_links.py
+drive_tags.py has the rows of drives, camera_values.py reads those of cameras, urdf.py
 friction. The rows of each kind of sensors are beside its class, as `Tags`;
 simulation/sensors/in_files.py looks for them.
 """
