@@ -7,8 +7,7 @@ import numpy as np
 
 from img_recog import files
 from img_recog.batch.engine import Results
-from img_recog.batch.fit_pieces import CHECK, FIT, MeasuredPart
-from img_recog.batch.fit_settings import BaseSettings, as_yaml, settings_of
+from img_recog.batch.fit_pieces import CHECK, FIT, BaseSettings, MeasuredPart, as_yaml, settings_of
 from img_recog.batch.work import Piece
 from img_recog.command_line import results
 from img_recog.errors import UserError, counted

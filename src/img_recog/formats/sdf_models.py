@@ -6,7 +6,7 @@ from typing import Dict, Iterable, List, Mapping, Optional, Sequence, Tuple
 import numpy as np
 
 from img_recog.files import FindFile
-from img_recog.formats import frictions, lights, lumping, sdf_links, sdf_states
+from img_recog.formats import lights, lumping, sdf_links, sdf_states
 from img_recog.formats.reader import name_of, value
 from img_recog.formats.sdf_frames import WORLD, pose_of
 from img_recog.formats.sdf_joints import NO_LIMIT, SCREW, Axis, Joints, SdfJoint, SdfLink
@@ -166,8 +166,8 @@ class _Builder:
                 solid = sdf_links.solid(collision, IDENTITY, self._find)
                 with self._report.left_out():
                     solid = solid._replace(
-                        friction=frictions.of_surface(collision, link.name),
-                        contact=frictions.contact_of(collision, link.name, lambda _: None))
+                        friction=sdf_links.of_surface(collision, link.name),
+                        contact=sdf_links.contact_of(collision, link.name, lambda _: None))
                 solid = solid.moved(scope.pose(collision))
                 if solid.shape.kind in (HEIGHTMAP, PLANE):
                     self._add_ground(link, collision, solid)

@@ -10,7 +10,7 @@ import numpy as np
 
 from img_recog.errors import SimulationError
 from img_recog.files import FindFile
-from img_recog.formats import drive_controllers, frictions, inertias, lights, materials
+from img_recog.formats import drive_controllers, inertias, lights, materials, sdf_links
 from img_recog.formats.drive_controllers import FindControllers
 from img_recog.formats.markup import MarkupError, check_expanded, parse_xml
 from img_recog.formats.meshes.mesh_file import READABLE
@@ -132,19 +132,19 @@ class Links:
                friction: Optional[Friction]) -> Solid:
         if friction is None:
             # Gazebo reads it only in an SDF: who writes it here means it for all directions
-            friction = frictions.of_surface(element, link)
+            friction = sdf_links.of_surface(element, link)
             if friction is not None and element.find('surface/friction/ode/mu2') is None:
                 friction = Friction(friction.mu)
         bitmasks = [bitmask(collision) for tag in self._tags_of(link)
                     for collision in tag.findall('collision')]
-        contact = frictions.contact_of(element, link, self._text_of_tags(link))
+        contact = sdf_links.contact_of(element, link, self._text_of_tags(link))
         return Solid(shape, friction=friction, bitmask=min([ALL_BITS, *bitmasks]),
                      contact=contact).moved(origin_of(element))
 
     def _tags_of(self, link: str) -> List[ElementTree.Element]:
         return [tag for tag in self._tags if tag.get('reference') == link]
 
-    def _text_of_tags(self, link: str) -> frictions.TextOf:
+    def _text_of_tags(self, link: str) -> sdf_links.TextOf:
         """Return what returns the text of an element in Gazebo's tags for a link."""
         tags = self._tags_of(link)
 
@@ -159,8 +159,8 @@ class Links:
         or that of a collision there, else PyBullet's <lateral_friction>; None without.
         """
         name = name_of(link)
-        found = [frictions.of_texts(self._text_of_tags(name), name, 'mu1'),
-                 *(frictions.of_surface(collision, name)
+        found = [sdf_links.of_texts(self._text_of_tags(name), name, 'mu1'),
+                 *(sdf_links.of_surface(collision, name)
                    for tag in self._tags_of(name) for collision in tag.findall('collision'))]
         of_link = link.find('contact/lateral_friction')
         if of_link is not None:

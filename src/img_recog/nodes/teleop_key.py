@@ -24,8 +24,7 @@ from img_recog.ros import lifecycle, parameters
 from img_recog.ros.diagnostics import EventCounter, NodeDiagnostics, add_counter
 from img_recog.ros.stopping_publisher import StoppingPublisher
 from img_recog.ros.yielding import Yielding
-from img_recog.teleoperation.profile import VelocityProfile
-from img_recog.teleoperation.teleop_settings import PERIOD_S, TeleopSettings
+from img_recog.teleoperation.profile import PERIOD_S, TeleopSettings, VelocityProfile
 
 # set by launch files that start more than this node; a parameter would stay for the next teleop
 _NO_KEYS = 'IMG_RECOG_NO_KEYS'

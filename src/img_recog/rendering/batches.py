@@ -11,10 +11,12 @@ from img_recog.formats import textures
 from img_recog.formats.meshes.mesh_file import MeshError, Triangles
 from img_recog.model import (DIRECTIONAL, EXP, EXP2, LINEAR, MESH, SPOT, WHITE, Fog, Light,
                              Material, Rgb, Shape, Surroundings, Visual, VisualScene)
-from img_recog.rendering import floor, matrices, prepared, shaders, triangles
-from img_recog.rendering.file_cache import FileCache
+from img_recog.rendering import coverage, matrices, prepared, shaders, triangles
+from img_recog.rendering.prepared import FileCache
 from img_recog.rendering.shaders import MAX_LIGHTS
 
+_HALF_SIZE_M = 50.0
+MATERIAL = Material((0.7, 0.7, 0.7, 1.0), ambient=(0.3, 0.3, 0.3))     # Gazebo/Grey
 _STEEP = 1e6            # the slope of the edge of a cone that is sharp
 _EVERYWHERE = -2.0, 1.0, 0.0        # a cone of a light without one
 _EXPONENTS = {LINEAR: 0.0, EXP: 1.0, EXP2: 2.0}
@@ -24,6 +26,40 @@ _VERTEX = np.dtype([('position', 'f4', 3), ('normal', 'f4', 3), ('uv', 'f4', 2),
 
 # what the triangles of a batch have in common: transparent, part or -1, texture or -1, shining
 _Key = Tuple[bool, int, int, bool]
+
+
+class Floor:
+    """A square at z 0 in the world, whose middle is the origin."""
+
+    def __init__(self, context: moderngl.Context, shaded: moderngl.Program,
+                 depth: moderngl.Program, material: int):
+        """shaded, depth: the programs; material: the number of MATERIAL in its table."""
+        corners = np.insert(_HALF_SIZE_M * coverage.corners(coverage.WHOLE), 2, 0, axis=2)
+        whole = context.buffer(corners[:, coverage.TRIANGLES].astype('f4').tobytes())
+        same = context.buffer(np.array([0, 0, 1], 'f4').tobytes()
+                              + np.array([material], 'u4').tobytes())
+        self._shaded = context.vertex_array(shaded, [
+            (whole, '3f', 'position'), (same, '3f 1u /r', 'normal', 'material')])
+        self._depth = context.vertex_array(depth, [(whole, '3f', 'position')])
+
+    def draw(self) -> None:
+        """Draw it."""
+        self._shaded.program['model'].write(matrices.to_bytes(np.eye(4)))
+        self._shaded.render()
+
+    def draw_depths(self) -> None:
+        """Draw its depths."""
+        self._depth.render()
+
+
+def lowest_edge(eye: np.ndarray, far: float) -> float:
+    """Return the sine of the angle below the horizon at which it ends in all directions.
+
+    eye (3,): from where it is seen, at most so far; 1 where it is not seen from above.
+    """
+    x, y, height = eye
+    reach = min(_HALF_SIZE_M - max(abs(x), abs(y)), far)
+    return height / math.hypot(height, reach) if height > 0 and reach > 0 else 1.0
 
 
 class Lighting:
@@ -136,7 +172,7 @@ class Loaded(NamedTuple):
 
     batches: List[Batch]
     bounds: List[Bounds]
-    floor: floor.Floor
+    floor: Floor
     lighting: Lighting
     programs: List[moderngl.Program]
     materials: moderngl.Texture
@@ -189,8 +225,8 @@ class SceneLoader:
         # first is seen
         keys = sorted(grouped, key=lambda key: (key[:2], key[2] != _NO_TEXTURE, key[3]))
         batches = [self._batch(key, *zip(*grouped[key])) for key in keys]
-        ground = floor.Floor(self._context, self._program(), self.depth,
-                             self._number(floor.MATERIAL))
+        ground = Floor(self._context, self._program(), self.depth,
+                       self._number(MATERIAL))
         programs = {id(each): each for each in (
             self._program(), *(batch.shaded.program for batch in batches))}
         return Loaded(batches, bounds, ground, self._lighting, list(programs.values()),

@@ -9,9 +9,8 @@ import numpy as np
 from img_recog.errors import UserError, one_line
 from img_recog.model import Rgb, VisualScene
 from img_recog.rendering import coverage, matrices, shaders
-from img_recog.rendering.batches import Batch, SceneLoader
+from img_recog.rendering.batches import Batch, SceneLoader, lowest_edge
 from img_recog.rendering.camera import Pinhole
-from img_recog.rendering.floor import lowest_edge
 
 _MUCH = 0.4 * 4             # of the area of an image; to clear all is faster then
 _SAMPLES = 4                # of a pixel, for antialiased edges; the only number of llvmpipe

@@ -5,7 +5,7 @@ import hashlib
 import json
 import os
 import uuid
-from typing import Any, List, Optional, Tuple
+from typing import Any, Callable, Dict, Generic, List, Optional, Tuple, TypeVar
 
 import numpy as np
 
@@ -14,8 +14,8 @@ from img_recog.formats import textures
 from img_recog.formats.meshes import mesh_file
 from img_recog.formats.meshes.mesh_file import MeshError, Triangles
 from img_recog.model import Material
-from img_recog.rendering.file_cache import version
 
+Value = TypeVar('Value')
 _FOLDER = 'drawn_4'        # another number when the files change
 MAX_BYTES = 2 << 30        # of all files; then those that were not used for longest are removed
 
@@ -25,6 +25,36 @@ _writer = concurrent.futures.ThreadPoolExecutor(1)
 Entry = Tuple[np.ndarray, Any]      # an array that cannot be changed, and what JSON can hold
 _TRIANGLES = np.dtype([('positions', 'f8', (3, 3)), ('normals', 'f8', (3, 3)),
                        ('uvs', 'f8', (3, 2))])
+
+
+class FileCache(Generic[Value]):
+    """Reads each file once, and again when it has changed."""
+
+    def __init__(self, read: Callable[[str], Value]):
+        """read: returns what is in the file at a path."""
+        self._read = read
+        self._kept: Dict[Tuple[str, int, int], Value] = {}
+        self._used: Dict[Tuple[str, int, int], Value] = {}
+
+    def get(self, path: str) -> Value:
+        """Return what is in a file; what `read` raises is not kept."""
+        key = version(path)
+        if key not in self._used:
+            self._used[key] = self._kept[key] if key in self._kept else self._read(path)
+        return self._used[key]
+
+    def forget_unused(self) -> None:
+        """Keep only what `get` has returned since the last call of this."""
+        self._kept, self._used = self._used, {}
+
+
+def version(path: str) -> Tuple[str, int, int]:
+    """Return what tells whether a file has changed."""
+    try:
+        status = os.stat(path)
+    except (OSError, ValueError):
+        return path, 0, 0
+    return os.path.abspath(path), status.st_mtime_ns, status.st_size
 
 
 def load_stored(*key: Any) -> Optional[Entry]:

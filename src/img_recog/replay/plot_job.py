@@ -19,7 +19,7 @@ from visualization_msgs.msg import MarkerArray
 
 from img_recog import files
 from img_recog.command_line import programs
-from img_recog.command_line.option_types import allowed
+from img_recog.command_line.programs import allowed
 from img_recog.conversions import color_detection_msgs, plane_msgs, twist_msgs
 from img_recog.conversions.plane_msgs import MAX_NUMBER
 from img_recog.errors import UserError, counted, one_line, shortened

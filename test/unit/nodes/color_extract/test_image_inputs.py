@@ -3,7 +3,7 @@ import pytest
 from sensor_msgs.msg import Image
 
 from img_recog.nodes.color_extract import color_extract_node
-from img_recog.nodes.color_extract.recognition_diagnostics import RecognitionDiagnostics
+from img_recog.nodes.color_extract.color_extract_node import RecognitionDiagnostics
 
 
 class FakeSubscriber:
