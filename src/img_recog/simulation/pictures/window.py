@@ -1,15 +1,17 @@
 """A window that shows the simulation."""
+import contextlib
 import math
+import os
 import time
 from multiprocessing.connection import Connection
-from typing import Optional, Sequence
+from typing import Dict, Iterator, Optional, Sequence
 
 import pybullet
 
 from img_recog.model import SUN
 from img_recog.processes.helper_process import HelperProcess
 from img_recog.simulation.physics.body import BodyPose
-from img_recog.simulation.physics.client import connect
+from img_recog.simulation.physics.client import client_argument, connect
 from img_recog.simulation.pictures.scene import Scene, SceneCopy
 from img_recog.simulation.pictures.view import ABOVE, FIELD_OF_VIEW, Viewpoint
 
@@ -63,24 +65,39 @@ class Window:
 
 def show_until_closed(connection: Connection, scene: Scene, viewpoint: Viewpoint) -> None:
     """Show the newest poses until the window or the other end of the connection is closed."""
-    physics_client_id = connect(pybullet.GUI, _OPTIONS)
-    pybullet.configureDebugVisualizer(pybullet.COV_ENABLE_GUI, 0,
-                                      physicsClientId=physics_client_id)
-    pybullet.configureDebugVisualizer(physicsClientId=physics_client_id, **_LIGHT)
-    copy = SceneCopy(scene, physics_client_id, floor=scene.world.has_floor)
-    pybullet.resetDebugVisualizerCamera(
-        cameraDistance=viewpoint.distance * _DISTANCE_FACTOR, cameraYaw=viewpoint.yaw,
-        cameraPitch=viewpoint.pitch, cameraTargetPosition=viewpoint.target,
-        physicsClientId=physics_client_id)
+    # PyBullet prints 40 lines about OpenGL and its threads
+    with open(os.devnull, 'w', encoding='utf-8') as nowhere:
+        os.dup2(nowhere.fileno(), 1)
+    client = client_argument(connect(pybullet.GUI, _OPTIONS))
+    pybullet.configureDebugVisualizer(pybullet.COV_ENABLE_GUI, 0, **client)
+    pybullet.configureDebugVisualizer(**_LIGHT, **client)
+    with _not_drawing(client):
+        copy = SceneCopy(scene, client['physicsClientId'], floor=scene.world.has_floor)
+        pybullet.resetDebugVisualizerCamera(
+            cameraDistance=viewpoint.distance * _DISTANCE_FACTOR, cameraYaw=viewpoint.yaw,
+            cameraPitch=viewpoint.pitch, cameraTargetPosition=viewpoint.target, **client)
     try:
-        while pybullet.isConnected(physicsClientId=physics_client_id):
+        while pybullet.isConnected(**client):
             messages = [connection.recv()]
             while connection.poll():
                 messages.append(connection.recv())
             scenes = [message for message in messages if isinstance(message, Scene)]
             if scenes:
-                copy.load(scenes[-1])
+                with _not_drawing(client):
+                    copy.load(scenes[-1])
             if not isinstance(messages[-1], Scene):
                 copy.place(messages[-1])
     except (EOFError, pybullet.error):
         pass
+
+
+@contextlib.contextmanager
+def _not_drawing(client: Dict[str, int]) -> Iterator[None]:
+    """Draw nothing in the `with` block.
+
+    PyBullet otherwise draws the window between any two shapes that are loaded. On a busy processor
+    without a GPU, that takes a minute, in which the robot is not seen.
+    """
+    pybullet.configureDebugVisualizer(pybullet.COV_ENABLE_RENDERING, 0, **client)
+    yield
+    pybullet.configureDebugVisualizer(pybullet.COV_ENABLE_RENDERING, 1, **client)
