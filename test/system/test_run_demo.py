@@ -57,6 +57,16 @@ def test_signal_at_any_moment_ends_everything(run_demo, moment, signum):
     send(demo.pid, signum)
     wait_for(lambda: not marked(run_demo.mark),
              lambda: 'the end of {} in:\n{}'.format(marked(run_demo.mark), demo.output), END_S)
+    assert demo.wait() == (-signum if moment == 'bash' else 0), demo.output
+
+
+@pytest.mark.parametrize('words', [r'starting; press Ctrl-C', 'started roslaunch server', STARTED])
+def test_ctrl_c_gives_the_same_exit_code_at_any_moment_of_the_start(run_demo, words):
+    demo = run_demo(*SMALL)
+    demo.wait_output(words)
+    assert interrupt(demo) == 0
+    # rosmaster itself prints one
+    assert 'Traceback' not in demo.output.partition('started roslaunch server')[0]
 
 
 def test_ctrl_c_is_not_lost_in_a_program_that_ends_normally(run_demo, tmp_path):
