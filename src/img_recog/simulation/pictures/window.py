@@ -34,7 +34,7 @@ class Window:
 
     def __init__(self, scene: Scene, viewpoint: Viewpoint = ABOVE):
         """Open the window, which shows the scene from `viewpoint`."""
-        self._helper = HelperProcess(show_until_closed, (scene, viewpoint), _NICENESS)
+        self._helper = HelperProcess(_show_silently, (scene, viewpoint), _NICENESS)
         self._next_s = 0.0
         self._new_scene: Optional[Scene] = None
 
@@ -63,11 +63,14 @@ class Window:
         self._helper.end()
 
 
+def _show_silently(connection: Connection, scene: Scene, viewpoint: Viewpoint) -> None:
+    """Call `show_until_closed` without the 40 lines that PyBullet prints about OpenGL."""
+    os.dup2(os.open(os.devnull, os.O_WRONLY), 1)
+    show_until_closed(connection, scene, viewpoint)
+
+
 def show_until_closed(connection: Connection, scene: Scene, viewpoint: Viewpoint) -> None:
     """Show the newest poses until the window or the other end of the connection is closed."""
-    # PyBullet prints 40 lines about OpenGL and its threads
-    with open(os.devnull, 'w', encoding='utf-8') as nowhere:
-        os.dup2(nowhere.fileno(), 1)
     client = client_argument(connect(pybullet.GUI, _OPTIONS))
     pybullet.configureDebugVisualizer(pybullet.COV_ENABLE_GUI, 0, **client)
     pybullet.configureDebugVisualizer(**_LIGHT, **client)
