@@ -219,7 +219,7 @@ def test_each_demo_has_its_own_master_and_the_shell_finds_it(checkout, env):
         first, second = [demo.wait_output(r'ROS_MASTER_URI=(http://\w+:\d+)').group(1)
                          for demo in demos]
         assert first != second
-        assert any('uses port 11311: the master of this demo is {};'.format(uri) in demo.output
+        assert any('run "export ROS_MASTER_URI={}"'.format(uri) in demo.output
                    for demo, uri in zip(demos, (first, second)))
         assert found() in (first, second)
         assert demos[0].is_running() and demos[0].interrupt() == 0
