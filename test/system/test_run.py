@@ -389,7 +389,7 @@ def test_a_slow_command_says_at_its_start_how_long_it_takes(env, tmp_path, word,
 # downloads that package alone; all else is done by the real apt-get, but only simulated
 OFFLINE_APT = """
 case "$*" in
-  update\ *Dir::State::lists=*/download_lists*) touch build/download_lists/all; exit ;;
+  "update "*Dir::State::lists=*/download_lists*) touch build/download_lists/all; exit ;;
   *--download-only*)
     [ -e build/download_lists/all ] || {{ echo 'E: Unable to locate package'; exit 100; }}
     for each; do case $each in Dir::Cache::archives=*) cp {deb} "${{each#*=}}" ;; esac; done ;;

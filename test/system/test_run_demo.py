@@ -350,6 +350,6 @@ def output_of_a_demo(tmp_path_factory):
     with Ros(tmp_path_factory.mktemp('demo')) as ros:
         demo = ros.start(os.path.join(ROOT, 'run'), 'demo', 'camera:=synthetic', 'web:=false',
                          start_new_session=True)
-        demo.wait_output(r'(?s)drives forward.* blue=0, red=0.*stands.* red=33800.*drives backward')
+        demo.wait_output('(?s)drives forward.* blue=0, red=0.*stands.* red=33800.*drives backward')
         demo.interrupt()
         return demo.output
