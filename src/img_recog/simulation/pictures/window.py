@@ -1,10 +1,9 @@
 """A window that shows the simulation."""
-import contextlib
 import math
 import os
 import time
 from multiprocessing.connection import Connection
-from typing import Dict, Iterator, Optional, Sequence
+from typing import Optional, Sequence
 
 import pybullet
 
@@ -34,7 +33,7 @@ class Window:
 
     def __init__(self, scene: Scene, viewpoint: Viewpoint = ABOVE):
         """Open the window, which shows the scene from `viewpoint`."""
-        self._helper = HelperProcess(_show_silently, (scene, viewpoint), _NICENESS)
+        self._helper = HelperProcess(show_until_closed, (scene, viewpoint), _NICENESS)
         self._next_s = 0.0
         self._new_scene: Optional[Scene] = None
 
@@ -63,22 +62,18 @@ class Window:
         self._helper.end()
 
 
-def _show_silently(connection: Connection, scene: Scene, viewpoint: Viewpoint) -> None:
-    """Call `show_until_closed` without the 40 lines that PyBullet prints about OpenGL."""
-    os.dup2(os.open(os.devnull, os.O_WRONLY), 1)
-    show_until_closed(connection, scene, viewpoint)
-
-
 def show_until_closed(connection: Connection, scene: Scene, viewpoint: Viewpoint) -> None:
     """Show the newest poses until the window or the other end of the connection is closed."""
-    client = client_argument(connect(pybullet.GUI, _OPTIONS))
+    os.dup2(os.open(os.devnull, os.O_WRONLY), 1)    # PyBullet prints 40 lines about OpenGL
+    physics_client_id = connect(pybullet.GUI, _OPTIONS)
+    client = client_argument(physics_client_id)
     pybullet.configureDebugVisualizer(pybullet.COV_ENABLE_GUI, 0, **client)
     pybullet.configureDebugVisualizer(**_LIGHT, **client)
-    with _not_drawing(client):
-        copy = SceneCopy(scene, client['physicsClientId'], floor=scene.world.has_floor)
-        pybullet.resetDebugVisualizerCamera(
-            cameraDistance=viewpoint.distance * _DISTANCE_FACTOR, cameraYaw=viewpoint.yaw,
-            cameraPitch=viewpoint.pitch, cameraTargetPosition=viewpoint.target, **client)
+    # before anything is drawn
+    pybullet.resetDebugVisualizerCamera(
+        cameraDistance=viewpoint.distance * _DISTANCE_FACTOR, cameraYaw=viewpoint.yaw,
+        cameraPitch=viewpoint.pitch, cameraTargetPosition=viewpoint.target, **client)
+    copy = SceneCopy(scene, physics_client_id, floor=scene.world.has_floor)
     try:
         while pybullet.isConnected(**client):
             messages = [connection.recv()]
@@ -86,21 +81,8 @@ def show_until_closed(connection: Connection, scene: Scene, viewpoint: Viewpoint
                 messages.append(connection.recv())
             scenes = [message for message in messages if isinstance(message, Scene)]
             if scenes:
-                with _not_drawing(client):
-                    copy.load(scenes[-1])
+                copy.load(scenes[-1])
             if not isinstance(messages[-1], Scene):
                 copy.place(messages[-1])
     except (EOFError, pybullet.error):
         pass
-
-
-@contextlib.contextmanager
-def _not_drawing(client: Dict[str, int]) -> Iterator[None]:
-    """Draw nothing in the `with` block.
-
-    PyBullet otherwise draws the window between any two shapes that are loaded. On a busy processor
-    without a GPU, that takes a minute, in which the robot is not seen.
-    """
-    pybullet.configureDebugVisualizer(pybullet.COV_ENABLE_RENDERING, 0, **client)
-    yield
-    pybullet.configureDebugVisualizer(pybullet.COV_ENABLE_RENDERING, 1, **client)
