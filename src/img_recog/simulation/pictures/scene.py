@@ -11,6 +11,7 @@ import pybullet
 from img_recog.formats.world_file import WorldFile
 from img_recog.model import Tree
 from img_recog.simulation.physics.body import Body, BodyPose
+from img_recog.simulation.physics.client import client_argument
 from img_recog.simulation.physics.world import load_bodies
 from img_recog.simulation.pictures.link_colors import split_links_by_color
 from img_recog.simulation.simulator import Simulator
@@ -43,22 +44,32 @@ class SceneCopy:
             _add_floor(physics_client_id)
 
     def load(self, scene: Scene) -> None:
-        """Replace the bodies by those of a scene."""
-        physics_client_id = self._physics_client_id
+        """Replace the bodies by those of a scene.
+
+        A window draws nothing until `place`. Otherwise, PyBullet draws it between any two shapes:
+        on a busy processor without a GPU, this takes a minute, in which the robot is not seen.
+        """
+        self._is_hidden = True
+        client = client_argument(self._physics_client_id)
+        pybullet.configureDebugVisualizer(pybullet.COV_ENABLE_RENDERING, 0, **client)
         for body in self.bodies:
-            pybullet.removeBody(body.body_id, physicsClientId=physics_client_id)
+            pybullet.removeBody(body.body_id, **client)
         trees = [tree._replace(model=split_links_by_color(tree.model)) for tree in scene.trees]
-        self.bodies = [body for _, body in load_bodies(trees, physics_client_id, visuals=True)]
+        self.bodies = [body for _, body in load_bodies(trees, self._physics_client_id,
+                                                       visuals=True)]
         for body in self.bodies:
             for link in body.links:
                 # otherwise each tall body would show a reflection of the sun
-                pybullet.changeVisualShape(body.body_id, link, specularColor=(0, 0, 0),
-                                           physicsClientId=physics_client_id)
+                pybullet.changeVisualShape(body.body_id, link, specularColor=(0, 0, 0), **client)
 
     def place(self, poses: Sequence[BodyPose]) -> None:
         """Move the bodies to the poses that `poses_of` returns for the simulation."""
         for body, pose in zip(self.bodies, poses):
             body.place(pose)
+        if self._is_hidden:
+            pybullet.configureDebugVisualizer(pybullet.COV_ENABLE_RENDERING, 1,
+                                              physicsClientId=self._physics_client_id)
+            self._is_hidden = False
 
 
 def _add_floor(physics_client_id: int) -> None:

@@ -1,5 +1,6 @@
 """A window that shows the simulation."""
 import math
+import os
 import time
 from multiprocessing.connection import Connection
 from typing import Optional, Sequence
@@ -9,7 +10,7 @@ import pybullet
 from img_recog.model import SUN
 from img_recog.processes.helper_process import HelperProcess
 from img_recog.simulation.physics.body import BodyPose
-from img_recog.simulation.physics.client import connect
+from img_recog.simulation.physics.client import client_argument, connect
 from img_recog.simulation.pictures.scene import Scene, SceneCopy
 from img_recog.simulation.pictures.view import ABOVE, FIELD_OF_VIEW, Viewpoint
 
@@ -63,17 +64,18 @@ class Window:
 
 def show_until_closed(connection: Connection, scene: Scene, viewpoint: Viewpoint) -> None:
     """Show the newest poses until the window or the other end of the connection is closed."""
+    os.dup2(os.open(os.devnull, os.O_WRONLY), 1)    # PyBullet prints 40 lines about OpenGL
     physics_client_id = connect(pybullet.GUI, _OPTIONS)
-    pybullet.configureDebugVisualizer(pybullet.COV_ENABLE_GUI, 0,
-                                      physicsClientId=physics_client_id)
-    pybullet.configureDebugVisualizer(physicsClientId=physics_client_id, **_LIGHT)
-    copy = SceneCopy(scene, physics_client_id, floor=scene.world.has_floor)
+    client = client_argument(physics_client_id)
+    pybullet.configureDebugVisualizer(pybullet.COV_ENABLE_GUI, 0, **client)
+    pybullet.configureDebugVisualizer(**_LIGHT, **client)
+    # before anything is drawn
     pybullet.resetDebugVisualizerCamera(
         cameraDistance=viewpoint.distance * _DISTANCE_FACTOR, cameraYaw=viewpoint.yaw,
-        cameraPitch=viewpoint.pitch, cameraTargetPosition=viewpoint.target,
-        physicsClientId=physics_client_id)
+        cameraPitch=viewpoint.pitch, cameraTargetPosition=viewpoint.target, **client)
+    copy = SceneCopy(scene, physics_client_id, floor=scene.world.has_floor)
     try:
-        while pybullet.isConnected(physicsClientId=physics_client_id):
+        while pybullet.isConnected(**client):
             messages = [connection.recv()]
             while connection.poll():
                 messages.append(connection.recv())

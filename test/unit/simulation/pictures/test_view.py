@@ -281,6 +281,7 @@ def test_window_gets_poses_at_30_hz_and_never_blocks(helpers, clock):
 
 
 def test_window_shows_the_newest_poses_from_the_camera_above(monkeypatch):
+    monkeypatch.setattr(window.os, 'dup2', lambda *_: None)      # stdout of the tests
     assembly, client, seen = robots.assemble(), connect(), {}
     poses = poses_of(assembly.simulator)
     monkeypatch.setattr(window, 'connect', lambda *args: seen.update(connected=args) or client)
@@ -300,7 +301,8 @@ def test_window_shows_the_newest_poses_from_the_camera_above(monkeypatch):
         ((pybullet.COV_ENABLE_GUI, 0), {'physicsClientId': client}),
         ((), {'lightPosition': tuple(-100 * axis for axis in SUN.direction),
               'shadowMapWorldSize': 14, 'shadowMapResolution': 4096,
-              'physicsClientId': client})]
+              'physicsClientId': client}),
+        ((pybullet.COV_ENABLE_RENDERING, 0), {'physicsClientId': client})]
     factor = 1.25 * np.tan(np.radians(FIELD_OF_VIEW / 2))
     assert seen['camera'] == {
         'cameraDistance': pytest.approx(12.0 * factor), 'cameraYaw': -90.0,
@@ -310,6 +312,7 @@ def test_window_shows_the_newest_poses_from_the_camera_above(monkeypatch):
 
 
 def test_window_ends_when_it_is_closed(monkeypatch):
+    monkeypatch.setattr(window.os, 'dup2', lambda *_: None)      # stdout of the tests
     scene, client = robots.assemble(sdf.sdf()).scene, connect()
     monkeypatch.setattr(window, 'connect', lambda *args: client)
     monkeypatch.setattr(pybullet, 'isConnected', lambda **kwargs: False)
