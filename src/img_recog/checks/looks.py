@@ -12,8 +12,7 @@ from img_recog.formats.meshes import mesh_file
 from img_recog.model import Visual
 from img_recog.rendering import triangles
 from img_recog.report import NOT_DRAWN
-from img_recog.simulation.pictures import visual_scene
-from img_recog.simulation.pictures.scene import scene_of
+from img_recog.simulation.pictures.visual_scene import Parts
 from img_recog.simulation.simulator import Simulator
 
 
@@ -27,8 +26,8 @@ class Looks(NamedTuple):
 
 def read(simulator: Simulator) -> Looks:
     """Read all that there is to draw; the world's report gets the files that cannot be read."""
-    parts = visual_scene.Parts(simulator)
-    visuals = visual_scene.read(scene_of(simulator), parts).visuals
+    parts = Parts(simulator)
+    visuals = parts.scene().visuals
     poses, reader = parts.poses(), _Reader()
     corners: Dict[int, List[np.ndarray]] = {}
     for visual in visuals:

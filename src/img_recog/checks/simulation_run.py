@@ -95,7 +95,7 @@ class SimulationRun:
 
     def _draw(self, folder: str) -> None:
         """Write a PNG of each camera."""
-        drawing = Drawing(self._built)
+        drawing = Drawing(self._simulator)
         for line in drawing.missing:
             self.report.add(NOT_DRAWN, line)
         os.makedirs(folder, exist_ok=True)

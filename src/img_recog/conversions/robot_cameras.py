@@ -9,11 +9,10 @@ from img_recog.rendering.camera import Camera
 from img_recog.rendering.light import LightFilter
 from img_recog.rendering.noise import PixelNoise
 from img_recog.rendering.server import Shot
-from img_recog.simulation.assembly import Assembly
-from img_recog.simulation.pictures import visual_scene
 from img_recog.simulation.pictures.visual_scene import Parts
 from img_recog.simulation.sensors.robot_camera import Exposure
 from img_recog.simulation.simulation_settings import CameraSettings
+from img_recog.simulation.simulator import Simulator
 
 
 class DrawnCamera:
@@ -50,15 +49,15 @@ class Drawing:
     visual that cannot be drawn.
     """
 
-    def __init__(self, built: Assembly, drawn_by: Any = None):
+    def __init__(self, simulator: Simulator, drawn_by: Any = None):
         """Load the scene; drawn_by: a renderer that nothing else uses meanwhile, else a new one.
 
         Raises UserError if nothing can be drawn.
         """
-        parts = Parts(built.simulator)
+        parts = Parts(simulator)
         self.poses = parts.poses
         self._renderer = drawn_by or renderer.make()
-        self.missing = self._renderer.load(visual_scene.read(built.scene, parts), parts.poses())
+        self.missing = self._renderer.load(parts.scene(), parts.poses())
 
     def image(self, camera: DrawnCamera, exposure: Exposure, number: int,
               light: Optional[LightFilter] = None) -> np.ndarray:

@@ -18,7 +18,6 @@ from img_recog.simulation.physics.client import all_or_nothing, connect
 from img_recog.simulation.physics.framed_body import FramedBody
 from img_recog.simulation.physics.robot import check_motors
 from img_recog.simulation.physics.world import World
-from img_recog.simulation.pictures.scene import Scene, scene_of
 from img_recog.simulation.sensors.sensor import SensorKind
 from img_recog.simulation.simulation_settings import PhysicsSettings, whole_steps
 from img_recog.simulation.simulated_model import Robot, SimulatedModel
@@ -30,12 +29,10 @@ class Assembly(NamedTuple):
 
     Attributes:
         simulator: Simulator.
-        scene: Scene of which copies can be drawn.
         report: What is not done as the files ask.
     """
 
     simulator: Simulator
-    scene: Scene
     report: Report
 
 
@@ -76,7 +73,7 @@ def build(physics: PhysicsSettings, world: WorldFile,
             + ', '.join(map(option_name, ('x_pos', 'y_pos', 'z_pos'))))
     for model in simulator.models:
         add_sensors(simulated_world, model, kinds, report, with_bare)
-    return Assembly(simulator, scene_of(simulator), report)
+    return Assembly(simulator, report)
 
 
 def _add_driven(simulator: Simulator, tree: Tree, kinds: Sequence[SensorKind],

@@ -74,9 +74,9 @@ def test_simulator_and_scene_of_the_world_and_the_robot():
     robot, = built.simulator.robots
     assert robot.body.motion().position == pytest.approx([-2.0, -0.5, 0.0], abs=1e-6)
     assert [body.name for body in built.simulator.world.scenery] == ['turtlebot3_world']
-    assert [tree.name for tree in built.scene.trees] == [
+    assert [tree.name for tree in built.simulator.world.trees] == [
         'turtlebot3_world', 'turtlebot3_burger']
-    assert built.scene.world.name == 'turtlebot3_world'
+    assert built.simulator.world.file.name == 'turtlebot3_world'
     assert built.report.lines() == []
 
 

@@ -5,7 +5,6 @@ import numpy as np
 import pytest
 
 from img_recog.model import MESH, PLANE, SPHERE, WHITE, Material, Shape
-from img_recog.simulation.pictures import visual_scene
 from img_recog.simulation.pictures.visual_scene import Parts
 from img_recog.simulation.sensors import robot_camera
 from img_recog.simulation.sensors.robot_camera import RobotCamera
@@ -24,7 +23,7 @@ HALL = sdf(BUILT_IN, shelf_with(BALL), CRATE.format('-1 0 0.1 0 0 0'))
 
 def read(built):
     parts = Parts(built.simulator)
-    return visual_scene.read(built.scene, parts), parts
+    return parts.scene(), parts
 
 
 def with_visual(inside):
