@@ -9,7 +9,7 @@ GROUND_FLOOR = ('camera_arguments', 'command_line', 'errors', 'files', 'loading'
 # the rooms of simulation/, from the lowest to the highest: none imports one above it
 SIMULATION_ROOMS = ('simulation_settings', 'names', 'wheels', 'physics', 'sensors',
                     'configured_model', 'mounted_sensors', 'simulated_model', 'guard', 'hanging',
-                    'simulator', 'pictures', 'states', 'models', 'model_forces', 'figures',
+                    'simulator', 'pictures', 'models', 'figures',
                     'places', 'pacing', 'assembly')
 # libraries that only some folders or files may use
 OWNERS = {

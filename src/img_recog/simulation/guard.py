@@ -10,7 +10,7 @@ from img_recog.simulation.physics.model_bodies import ModelBodies
 from img_recog.simulation.physics.sleeping import IDLE_S
 from img_recog.simulation.physics.world import World
 
-# m: beyond what can be set from outside, see states.py
+# m: beyond what can be set from outside, see models.py
 _FAR_M = 1e7
 # m/s and rad/s: the physics cuts velocities at 1e5, see body.py; what is as fast was thrown
 _FAST = 5e4
