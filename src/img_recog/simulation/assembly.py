@@ -3,6 +3,9 @@
 loading/assemble.py reads the files for it. Nothing is logged: what is not done is in a report.
 """
 import contextlib
+import dataclasses
+import heapq
+import math
 from typing import Callable, Iterator, NamedTuple, Sequence
 
 from img_recog.errors import SimulationError, UserError, one_line, shortened
@@ -10,10 +13,12 @@ from img_recog.formats import drive_tags
 from img_recog.formats.world_file import WorldFile
 from img_recog.model import Tree
 from img_recog.report import NOT_SIMULATED, NOTE, Report
-from img_recog.simulation import configured_model, places, wheels
+from img_recog.settings import SettingError
+from img_recog.simulation import configured_model, wheels
 from img_recog.simulation.configured_model import ConfiguredModel
 from img_recog.simulation.mounted_sensors import MountedSensors
 from img_recog.simulation.physics import standing
+from img_recog.simulation.physics.body import Body
 from img_recog.simulation.physics.client import all_or_nothing, connect
 from img_recog.simulation.physics.framed_body import FramedBody
 from img_recog.simulation.physics.robot import check_motors
@@ -22,6 +27,12 @@ from img_recog.simulation.sensors.sensor import SensorKind
 from img_recog.simulation.simulation_settings import PhysicsSettings, whole_steps
 from img_recog.simulation.simulated_model import Robot, SimulatedModel
 from img_recog.simulation.simulator import Simulator
+
+_GRID_M = 0.25              # less than a wall and the clearance on both sides of it
+_CLEARANCE_M = 0.1          # to what stands in the world
+_ROBOT_CLEARANCE_M = 0.25   # to other robots
+_MAX_TRIED = 10000
+_MAX_CLIMB_M = 0.05         # from one point of the grid to the next
 
 
 class Assembly(NamedTuple):
@@ -72,7 +83,7 @@ def build(physics: PhysicsSettings, world: WorldFile,
             NOTE, 'they overlap at the start, and the physics will throw them apart; set '
             + ', '.join(map(option_name, ('x_pos', 'y_pos', 'z_pos'))))
     for model in simulator.models:
-        add_sensors(simulated_world, model, kinds, report, with_bare)
+        add_sensors(simulated_world, model, kinds, with_bare)
     return Assembly(simulator, report)
 
 
@@ -92,14 +103,15 @@ def _add_driven(simulator: Simulator, tree: Tree, kinds: Sequence[SensorKind],
 
 
 def add_sensors(world: World, model: SimulatedModel, kinds: Sequence[SensorKind],
-                report: Report, with_bare: bool = False) -> None:
+                with_bare: bool = False) -> None:
     """Add the sensors that the file of a model of the world has; a robot has them already.
+
+    The report of the world gets what is not simulated of the drive and the sensors.
 
     Args:
         world: World of the model.
         model: Model.
         kinds: Kinds of sensors; none for models without sensors.
-        report: Gets what is not simulated of the drive and the sensors.
         with_bare: Whether sensors without a plugin are simulated, too.
     """
     for tree, body in zip(model.trees, model.bodies):
@@ -112,11 +124,11 @@ def add_sensors(world: World, model: SimulatedModel, kinds: Sequence[SensorKind]
             spec = spec._replace(sensors=tuple(each for each in spec.sensors if each.place))
             mounted = MountedSensors(spec, world, body)
         except SimulationError as error:
-            report.about('model ' + tree.name).add(
+            world.report.about('model ' + tree.name).add(
                 NOT_SIMULATED, 'its sensors' + ' and its drive' * drive_tags.is_driven(tree.model),
                 advice=one_line(error))
             continue
-        report.extend(spec.findings)
+        world.report.extend(spec.findings)
         if spec.sensors:
             model.sensors.append(mounted)
 
@@ -177,11 +189,60 @@ def add_robot_apart(simulator: Simulator, spec: ConfiguredModel, report: Report)
                 raise SimulationError('it would start inside of {}'.format(', '.join(others)),
                                       'give it another x_pos, y_pos or z_pos')
         else:
-            places.start_apart(simulator, robot)
+            _start_apart(simulator, robot)
     except UserError as error:
         simulator.world.remove(robot)
         raise configured_model.refused(spec.source, error.problem, error.advice)
     _look_at_place(robot, simulator.world, report)
+
+
+def _start_apart(simulator: Simulator, robot: Robot) -> None:
+    """Let a robot start at the free place nearest to its start, with the same z_pos and yaw.
+
+    It can drive there from its start around all that stands in the world.
+    Raises SimulationError when there is no such place.
+    """
+    start = robot.settings.spawn
+    robots = [each.body for each in simulator.robots if each is not robot]
+    # (distance to the start, column, row, height of the place before): the nearest first
+    waiting, known = [(0.0, 0, 0, robot.lift.height_m)], {(0, 0)}
+    for _ in range(_MAX_TRIED):
+        if not waiting:
+            break
+        _, column, row, height_m = heapq.heappop(waiting)
+        try:
+            place = dataclasses.replace(start, x_pos=start.x_pos + column * _GRID_M,
+                                        y_pos=start.y_pos + row * _GRID_M)
+        except SettingError:        # too far away
+            continue
+        robot.set_start(place)
+        climb_m = abs(robot.lift.height_m - height_m)
+        if climb_m > _MAX_CLIMB_M or _is_at_wall(robot.body, simulator.world.scenery):
+            continue
+        if not standing.is_near(robot.body, robots, _ROBOT_CLEARANCE_M):
+            return
+        for cell in ((column + 1, row), (column - 1, row), (column, row + 1), (column, row - 1)):
+            if cell not in known:
+                known.add(cell)
+                heapq.heappush(waiting, (math.hypot(*cell), *cell, robot.lift.height_m))
+    if len(known) == 1:
+        raise SimulationError('x {:g} m, y {:g} m, where the search for a free place begins, is '
+                              'too near to a wall'.format(start.x_pos, start.y_pos),
+                              'give it another x_pos and y_pos')
+    raise SimulationError('there is no free place for it near x {:g} m, y {:g} m'.format(
+        start.x_pos, start.y_pos), 'start fewer robots, or give it x_pos and y_pos')
+
+
+def _is_at_wall(robot: Body, bodies: Sequence[Body]) -> bool:
+    """Return whether a robot is near to something other than what it stands on.
+
+    It is looked for as far above the robot's place as it may be away.
+    """
+    height_m = _CLEARANCE_M + standing.MAX_DEPTH_M
+    robot.raise_by(height_m)
+    is_near = standing.is_near(robot, bodies, _CLEARANCE_M)
+    robot.raise_by(-height_m)
+    return is_near
 
 
 def _look_at_place(robot: Robot, world: World, report: Report) -> None:

@@ -1,10 +1,11 @@
 """A world with its robots and sensors, advanced together by whole steps."""
-from typing import Any, Callable, Collection, List, Optional, Sequence, Set
+from typing import Any, Callable, Collection, Dict, List, Optional, Sequence, Set
 
+from img_recog import rotations
 from img_recog.report import NOTE
 from img_recog.simulation.guard import Guard
-from img_recog.simulation.hanging import HangingWheels
 from img_recog.simulation.mounted_sensors import MountedSensors, Reading
+from img_recog.simulation.physics import tires
 from img_recog.simulation.physics.body import Body
 from img_recog.simulation.physics.standing import MAX_DEPTH_M
 from img_recog.simulation.physics.world import World
@@ -13,11 +14,12 @@ from img_recog.simulation.sensors.ray_sensor import RaySensor
 from img_recog.simulation.sensors.sensor import Sensor
 from img_recog.simulation.simulated_model import Robot, SimulatedModel
 
-
 _STEEP = 0.7        # vertical part of the normal of a contact: 45 degrees
 # m/s: nothing in a world of robots is as fast, so the physics has thrown it
 _IMPOSSIBLE = 1000.0
-_LOOK_STEPS = 1000      # between two looks for that
+_LOOK_STEPS = 1000      # between two looks for that, and for robots that cannot drive
+_HANGING_LOOKS = 2      # in a row: at the start, a robot may still fall
+_UPRIGHT = 0.95         # vertical part of the z axis of a robot: 18 degrees
 
 
 class Simulator:
@@ -36,7 +38,8 @@ class Simulator:
         self._steps = 0
         self.after_step: Optional[Callable[[], None]] = None
         self._flying: Set[str] = set()
-        self._hanging = HangingWheels()
+        self._hanging: Dict[str, int] = {}      # looks in a row at which a robot hung, by its name
+        self._told: Set[str] = set()            # robots of which a line said that
         self._guard = Guard(world)
 
     @property
@@ -89,7 +92,7 @@ class Simulator:
             self._guard.look(stop)
             if stop // _LOOK_STEPS > begin // _LOOK_STEPS:
                 self._look_for_flights()
-                self._hanging.look(self.robots, self.world.report)
+                self._look_for_hanging_wheels()
             readings.extend(self._read_sensors(active))
         return readings
 
@@ -104,6 +107,17 @@ class Simulator:
                     NOTE, '{} moves at {:.3g} m/s, after {:g} s: the physics has thrown it, most '
                     'often because it was pushed into something that cannot give way; reset '
                     'the world or move it'.format(body.name, speed, self.time_s))
+
+    def _look_for_hanging_wheels(self) -> None:
+        """Warn of each robot that stands on other links than its driven wheels, once."""
+        for robot in self.robots:
+            name, links = robot.body.name, _standing_on(robot)
+            self._hanging[name] = self._hanging.get(name, 0) + 1 if links else 0
+            if self._hanging[name] == _HANGING_LOOKS and name not in self._told:
+                self._told.add(name)
+                self.world.report.about(name).add(
+                    NOTE, 'no driven wheel touches anything, it stands on {}; lower its wheels, '
+                    'or raise what it stands on'.format(', '.join(links)))
 
     def _read_sensors(self, models: Sequence[SimulatedModel]) -> List[Reading]:
         """Return the readings of the sensors that are due now."""
@@ -152,7 +166,7 @@ class Simulator:
         self._guard.reset()
         self.world.reset()
         self._flying.clear()
-        self._hanging.reset()
+        self._hanging.clear()
         for model in self.models:
             model.restart()
 
@@ -174,3 +188,15 @@ def _read_together(sensors: Sequence[Sensor]) -> List[Any]:
     measured = iter(ray_sensor.read_together(cast) if cast else ())
     return [next(measured) if isinstance(sensor, RaySensor) else sensor.read()
             for sensor in sensors]
+
+
+def _standing_on(robot: Robot) -> List[str]:
+    """Return the links on which a robot stands upright, if none of them is a driven wheel."""
+    body, drive = robot.body, robot.settings.drive
+    names = {index: tires.owner(name) for name, index in body.link_indices.items()}
+    driven = {names[body.joints[name]] for name in (*drive.left_joints, *drive.right_joints)
+              if name in body.joints}
+    if not driven or rotations.matrix(body.pose().orientation)[2, 2] < _UPRIGHT:
+        return []
+    touching = {names[point.link] for point in body.contacts() if point.force > 0}
+    return [] if touching & driven else sorted(touching)

@@ -272,8 +272,7 @@ class WorldTopics:
 
     def add_sensors(self, model: SimulatedModel) -> None:
         """Add the sensors that the file of a model has, with their topics."""
-        world = self._simulator.world
-        assembly.add_sensors(world, model, SENSORS, world.report)
+        assembly.add_sensors(self._simulator.world, model, SENSORS)
         self.connect_of_file(model)
 
     def _check_namespace(self, spec: ConfiguredModel) -> None:
