@@ -8,8 +8,8 @@ GROUND_FLOOR = ('camera_arguments', 'command_line', 'errors', 'files', 'loading'
                 'processes', 'report', 'rotations', 'settings')
 # the rooms of simulation/, from the lowest to the highest: none imports one above it
 SIMULATION_ROOMS = ('simulation_settings', 'names', 'wheels', 'physics', 'sensors',
-                    'configured_model', 'mounted_sensors', 'simulated_model', 'guard',
-                    'simulator', 'pictures', 'models', 'figures', 'pacing', 'assembly')
+                    'configured_model', 'simulated_model', 'guard', 'simulator', 'pictures',
+                    'models', 'figures', 'pacing', 'assembly')
 # libraries that only some folders or files may use
 OWNERS = {
     **dict.fromkeys(('pybullet', 'pybullet_data', 'pybullet_utils'), (

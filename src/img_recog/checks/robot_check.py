@@ -152,7 +152,7 @@ def _sensors(spec: ConfiguredModel, robot: Robot) -> Iterator[CheckRow]:
         if kind.is_drawn:
             yield _camera(settings)
             continue
-        if name in robot.missing_sensors:       # a finding
+        if name in robot.mounted.missing:       # a finding
             continue
         is_given = place is not None or any(field.name in spec.tag_values
                                             for field in dataclasses.fields(settings))
@@ -196,7 +196,7 @@ def _driven(spec: ConfiguredModel, simulator: Simulator) -> Iterator[_Driven]:
     """
     robot = simulator.robots[0]
     for sensor in spec.sensors:
-        robot.set_sensor_enabled(sensor.name, False)
+        robot.mounted.set_enabled(sensor.name, False)
     drive = robot.settings.drive
     linear = min(_LINEAR, drive.max_linear_velocity or _LINEAR)
     angular = min(_ANGULAR, drive.max_angular_velocity or _ANGULAR)

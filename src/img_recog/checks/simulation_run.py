@@ -14,7 +14,7 @@ from img_recog.loading import assemble
 from img_recog.report import NOT_DRAWN
 from img_recog.simulation.figures import Figures
 from img_recog.simulation.models import Models
-from img_recog.simulation.mounted_sensors import MountedSensors
+from img_recog.simulation.simulated_model import MountedSensors
 from img_recog.simulation.simulation_settings import PhysicsSettings, SpawnSettings
 
 _PRINTED = ('imu', 'range', 'scan')         # kinds of sensors

@@ -16,7 +16,6 @@ from img_recog.report import NOT_SIMULATED, NOTE, Report
 from img_recog.settings import SettingError
 from img_recog.simulation import configured_model, wheels
 from img_recog.simulation.configured_model import ConfiguredModel
-from img_recog.simulation.mounted_sensors import MountedSensors
 from img_recog.simulation.physics import standing
 from img_recog.simulation.physics.body import Body
 from img_recog.simulation.physics.client import all_or_nothing, connect
@@ -25,7 +24,7 @@ from img_recog.simulation.physics.robot import check_motors
 from img_recog.simulation.physics.world import World
 from img_recog.simulation.sensors.sensor import SensorKind
 from img_recog.simulation.simulation_settings import PhysicsSettings, whole_steps
-from img_recog.simulation.simulated_model import Robot, SimulatedModel
+from img_recog.simulation.simulated_model import MountedSensors, Robot, SimulatedModel
 from img_recog.simulation.simulator import Simulator
 
 _GRID_M = 0.25              # less than a wall and the clearance on both sides of it
@@ -154,7 +153,7 @@ def add_robot(simulator: Simulator, spec: ConfiguredModel, report: Report,
     simulator.world.add([robot])
     unused = [each.name for each in spec.sensors if each.kind.name in unused_sensors]
     for sensor in unused:
-        robot.set_sensor_enabled(sensor, False)
+        robot.mounted.set_enabled(sensor, False)
     drive = spec.settings.drive
     report = report.about(spec.source)
     for line in wheels.measure(spec.model, drive).warnings(drive, spec.tag_values):
@@ -166,7 +165,7 @@ def add_robot(simulator: Simulator, spec: ConfiguredModel, report: Report,
             '; it has: {}'.format(shortened(', '.join(others))) if others else '',
             drive_tags.ADVICE))
     for each in spec.sensors:
-        link = robot.missing_sensors.get(each.name, '')
+        link = robot.mounted.missing.get(each.name, '')
         if link and each.name not in unused:
             what = 'sensor {}: no link {}'.format(each.name, link)
             if each.values:

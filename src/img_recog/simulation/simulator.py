@@ -1,10 +1,9 @@
 """A world with its robots and sensors, advanced together by whole steps."""
-from typing import Any, Callable, Collection, Dict, List, Optional, Sequence, Set
+from typing import Any, Callable, Collection, Dict, List, Optional, Sequence, Set, Union
 
 from img_recog import rotations
 from img_recog.report import NOTE
 from img_recog.simulation.guard import Guard
-from img_recog.simulation.mounted_sensors import MountedSensors, Reading
 from img_recog.simulation.physics import tires
 from img_recog.simulation.physics.body import Body
 from img_recog.simulation.physics.standing import MAX_DEPTH_M
@@ -12,7 +11,7 @@ from img_recog.simulation.physics.world import World
 from img_recog.simulation.sensors import ray_sensor
 from img_recog.simulation.sensors.ray_sensor import RaySensor
 from img_recog.simulation.sensors.sensor import Sensor
-from img_recog.simulation.simulated_model import Robot, SimulatedModel
+from img_recog.simulation.simulated_model import MountedSensors, Reading, Robot, SimulatedModel
 
 _STEEP = 0.7        # vertical part of the normal of a contact: 45 degrees
 # m/s: nothing in a world of robots is as fast, so the physics has thrown it
@@ -69,19 +68,22 @@ class Simulator:
 
     def next_reading(self, kinds: Collection[str]) -> Optional[int]:
         """Return the next step at which a sensor of some kinds is read; None if there is none."""
-        found = (mounted.next_reading(self._steps, kinds) for mounted in self.sensors)
-        return min((step for step in found if step is not None), default=None)
+        return min((each.next_reading(self._steps) for mounted in self.sensors
+                    for each in mounted.enabled if each.kind in kinds), default=None)
 
     def advance(self, steps: int) -> List[Reading]:
         """Advance by a number of steps; return the readings of the sensors, in order of time."""
         readings: List[Reading] = []
         end = self._steps + steps
         self._guard.before_steps(self._steps)
-        active = [model for model in self.models if model.sensors]
+        robots, sensors = self.robots, self.sensors
+        timed: List[Union[Robot, MountedSensors]] = [*robots, *sensors]
+        for mounted in sensors:
+            mounted.before_step(self._steps)
         while self._steps < end:
-            for model in active:
-                model.before_step(self._steps)
-            stop = min((model.next_event(self._steps) for model in active), default=end)
+            for robot in robots:
+                robot.before_step(self._steps)
+            stop = min((each.next_event(self._steps) for each in timed), default=end)
             begin, stop = self._steps, min(stop, end)
             while self.after_step is not None and self._steps < stop:
                 self.world.step()
@@ -93,7 +95,7 @@ class Simulator:
             if stop // _LOOK_STEPS > begin // _LOOK_STEPS:
                 self._look_for_flights()
                 self._look_for_hanging_wheels()
-            readings.extend(self._read_sensors(active))
+            readings.extend(self._read(sensors))
         return readings
 
     def _look_for_flights(self) -> None:
@@ -119,14 +121,14 @@ class Simulator:
                     NOTE, 'no driven wheel touches anything, it stands on {}; lower its wheels, '
                     'or raise what it stands on'.format(', '.join(links)))
 
-    def _read_sensors(self, models: Sequence[SimulatedModel]) -> List[Reading]:
+    def _read(self, sensors: Sequence[MountedSensors]) -> List[Reading]:
         """Return the readings of the sensors that are due now."""
-        due = [each for model in models for each in model.due(self._steps)]
+        due = [each for mounted in sensors for each in mounted.due(self._steps)]
         if not due:         # most often
             return []
-        values = _read_together([scheduled.sensor for _, scheduled in due])
-        return [Reading(body, scheduled.name, scheduled.kind, self.time_s, value)
-                for (body, scheduled), value in zip(due, values)]
+        values = _read_together([each.sensor for each in due])
+        return [Reading(each.robot, each.name, each.kind, self.time_s, value)
+                for each, value in zip(due, values)]
 
     def overlaps(self) -> List[str]:
         """Return which robots overlap with which bodies, as 'A in B', deeper than contacts do.
@@ -167,8 +169,10 @@ class Simulator:
         self.world.reset()
         self._flying.clear()
         self._hanging.clear()
-        for model in self.models:
-            model.restart()
+        for mounted in self.sensors:
+            mounted.reset()
+        for robot in self.robots:
+            robot.drives_from = self._steps
 
     def reset_simulation(self) -> None:
         """Do what `reset_world` does, set the time to 0 and let all noise begin anew.
@@ -176,10 +180,10 @@ class Simulator:
         Equal commands then give equal motion and readings, to the last bit unless many jointed
         models touch one another.
         """
-        self.reset_world()
         self._steps = 0
-        for model in self.models:
-            model.restart_noise()
+        self.reset_world()
+        for mounted in self.sensors:
+            mounted.restart_noise()
 
 
 def _read_together(sensors: Sequence[Sensor]) -> List[Any]:

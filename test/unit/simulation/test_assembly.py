@@ -87,8 +87,8 @@ def test_sensors_without_a_link_are_warned_of_unless_unused():
     assert assemble(urdf=urdf, unused_sensors=unused).report.lines() == []
     simulator = assemble(urdf=urdf).simulator
     robot, = simulator.robots
-    assert robot.missing_sensors == {'imu': 'torso'} and simulator.advance(400) == []
-    robot.set_sensor_enabled('imu', True)
+    assert robot.mounted.missing == {'imu': 'torso'} and simulator.advance(400) == []
+    robot.mounted.set_enabled('imu', True)
     # those that have their links are disabled
     readings = assemble(unused_sensors=unused).simulator.advance(400)
     assert {reading.sensor for reading in readings} == {'odometry', 'joint_states'}

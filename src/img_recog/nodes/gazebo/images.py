@@ -14,7 +14,7 @@ from img_recog.nodes.gazebo.lockstep import Lockstep
 from img_recog.nodes.gazebo.transforms import StaticTransforms
 from img_recog.nodes.gazebo.view_topic import ViewTopic
 from img_recog.rendering.server import Picture, Shot
-from img_recog.simulation.mounted_sensors import MountedSensors, Reading
+from img_recog.simulation.simulated_model import MountedSensors, Reading
 from img_recog.simulation.pictures.view import above
 from img_recog.simulation.pictures.visual_scene import Parts
 from img_recog.simulation.pictures.window import Window, poses_of, scene_of

@@ -24,10 +24,10 @@ from img_recog.ros.transport.direct_publisher import DirectPublisher
 from img_recog.simulation import assembly
 from img_recog.simulation.configured_model import ConfiguredModel
 from img_recog.simulation.models import Models
-from img_recog.simulation.mounted_sensors import MountedSensors, Reading
 from img_recog.simulation.sensors.motion_state import MotionState
 from img_recog.simulation.sensors.sensor import SensorKind
-from img_recog.simulation.simulated_model import Robot, SimulatedModel
+from img_recog.simulation.simulated_model import (MountedSensors, Reading, Robot,
+                                                  SimulatedModel)
 from img_recog.simulation.simulator import Simulator
 
 WORLD_FRAME = 'world'

@@ -163,26 +163,3 @@ def sensors_of(kinds: Sequence[SensorKind],
 def numbered(kind: SensorKind, number: int) -> str:
     """Return the name of a sensor; number: among those of its kind, from 0."""
     return '{}_{}'.format(kind.name, number + 1) if number else kind.name
-
-
-class ScheduledSensor:
-    """A sensor with its name, its kind and its period; it is read only while it is enabled.
-
-    noise: its random generator. skipped_from: the step of the physics from which on its readings
-    were not made, while it is disabled.
-    """
-
-    def __init__(self, name: str, kind: str, period_steps: int, sensor: Sensor,
-                 noise: np.random.RandomState):
-        self.name, self.kind, self.period_steps, self.sensor = name, kind, period_steps, sensor
-        self.enabled, self.skipped_from = True, 0
-        self._noise, self._state_at_start = noise, noise.get_state()
-
-    def restart_noise(self) -> None:
-        """Let the next noise be the first one."""
-        self._noise.set_state(self._state_at_start)
-        self.sensor.forget_noise()
-
-    def skip_until(self, steps: int) -> None:
-        """Let the next noise be the one that it is if all readings up to a step were made."""
-        self.sensor.skip_noise(steps // self.period_steps - self.skipped_from // self.period_steps)

@@ -159,14 +159,14 @@ def test_a_mounted_camera_is_read_at_its_rate_while_it_is_enabled():
     built = assemble(cameras=[CameraSettings(camera_frame='base_link', camera_rate=rate)
                               for rate in (30.0, 10.0)])
     robot = built.simulator.robots[0]
-    name, second = robot.cameras
+    name, second = robot.mounted.cameras
 
     def times(sensor, steps):
         return [round(each.time_s, 6) for each in built.simulator.advance(steps)
                 if each.sensor == sensor]
     assert (name, second) == ('camera', 'camera_2') and times(name, 100) == []
-    robot.set_sensor_enabled(name, True)
+    robot.mounted.set_enabled(name, True)
     assert times(name, 100) == [0.132, 0.165, 0.198]
-    robot.set_sensor_enabled(name, False)
-    robot.set_sensor_enabled(second, True)
+    robot.mounted.set_enabled(name, False)
+    robot.mounted.set_enabled(second, True)
     assert times(name, 1) == [] and times(second, 299) == [0.3, 0.4, 0.5]
