@@ -1,5 +1,4 @@
 """How the robot in a file is simulated: built as in the node, and driven."""
-import dataclasses
 import math
 from typing import Any, Dict, Iterator, List, Mapping, NamedTuple, Optional, Sequence, Tuple
 
@@ -19,7 +18,7 @@ from img_recog.formats.yaml_text import load_yaml
 from img_recog.loading import assemble
 from img_recog.report import ASSUMED, NOT_SIMULATED
 from img_recog.simulation import wheels
-from img_recog.simulation.configured_model import ConfiguredModel, refused
+from img_recog.simulation.configured_model import ConfiguredModel, refusals
 from img_recog.simulation.simulation_settings import DriveSettings, PhysicsSettings
 from img_recog.simulation.simulator import Simulator
 from img_recog.simulation.simulated_model import Robot
@@ -48,10 +47,8 @@ def check(path: str, parameters: Sequence[str] = ()) -> CheckReport:
     """
     spec = assemble.robot(path,
                           controllers=lambda namespace: _controllers(namespace, parameters))
-    try:
+    with refusals(path):
         check_topics(spec, [], lambda name: '/' + name.lstrip('/'))
-    except UserError as error:
-        raise refused(path, error.problem, error.advice)
     drive = spec.settings.drive
     built = assemble.simulator(PhysicsSettings(world=EMPTY), [spec])
     simulator, robot = built.simulator, built.simulator.robots[0]
@@ -121,18 +118,17 @@ def _drive(robot: ConfiguredModel) -> Iterator[CheckRow]:
         yield CheckRow(NOT_SIMULATED, 'drive', 'none')
         return
     measured = wheels.measure(robot.model, drive).values()
-    is_given = any(field.name in robot.tag_values for field in dataclasses.fields(drive))
-    for field in dataclasses.fields(drive):
-        if field.name in _OF_WHEELS and not drive.left_joints:
+    given = robot.tag_values.keys() & vars(drive)
+    for name, value in vars(drive).items():
+        if name in _OF_WHEELS and not drive.left_joints:
             continue
-        value = getattr(drive, field.name)
-        text = _text(value) + _UNITS.get(field.name, '')
-        if field.name in robot.tag_values or (field.name == 'drive' and is_given):
-            yield CheckRow(SIMULATED, field.name, text, 'plugin or controller')
-        elif measured.get(field.name) == value:
-            yield CheckRow(SIMULATED, field.name, text, 'shapes of the wheels')
-        elif field.name in _UNITS:
-            yield CheckRow(ASSUMED, field.name, text, 'default')
+        text = _text(value) + _UNITS.get(name, '')
+        if name in given or (name == 'drive' and given):
+            yield CheckRow(SIMULATED, name, text, 'plugin or controller')
+        elif measured.get(name) == value:
+            yield CheckRow(SIMULATED, name, text, 'shapes of the wheels')
+        elif name in _UNITS:
+            yield CheckRow(ASSUMED, name, text, 'default')
 
 
 def _text(value: Any) -> str:
@@ -147,15 +143,14 @@ def _text(value: Any) -> str:
 
 
 def _sensors(spec: ConfiguredModel, robot: Robot) -> Iterator[CheckRow]:
-    for name, kind, _, _, place, *_ in spec.sensors:
-        settings = robot.settings.sensors[name]
+    for sensor in spec.sensors:
+        name, kind, settings = sensor.name, sensor.kind, robot.settings.sensors[sensor.name]
         if kind.is_drawn:
             yield _camera(settings)
             continue
         if name in robot.mounted.missing:       # a finding
             continue
-        is_given = place is not None or any(field.name in spec.tag_values
-                                            for field in dataclasses.fields(settings))
+        is_given = sensor.place is not None or bool(spec.tag_values.keys() & vars(settings))
         yield CheckRow(SIMULATED if is_given else ASSUMED, name, '{} on {}, {:.4g} Hz'.format(
             getattr(kind.msg_type, '_type'), kind.topic(settings),
             1 / getattr(settings, kind.name + '_period_s')),

@@ -3,7 +3,7 @@ from typing import Callable, Dict, List, Sequence
 
 import rosgraph
 
-from img_recog.errors import SimulationError, UserError
+from img_recog.errors import SimulationError
 from img_recog.settings import SettingError
 from img_recog.simulation.configured_model import ConfiguredModel
 from img_recog.simulation.names import topic_fields
@@ -55,9 +55,10 @@ def _check_cameras(specs: Sequence[ConfiguredModel], resolve: Resolve) -> None:
                 owner = '{} of the camera on {}'.format(setting, camera.camera_frame)
                 other = owners.setdefault(resolve(topic), owner)
                 if other is not owner:
-                    raise UserError('the topic {} is {} and {}'.format(topic, other, owner),
-                                    'give each camera other topics: in a <gazebo> tag, another '
-                                    '<cameraName>; as parameters, another ' + setting)
+                    raise SimulationError(
+                        'the topic {} is {} and {}'.format(topic, other, owner),
+                        'give each camera other topics: in a <gazebo> tag, another <cameraName>; '
+                        'as parameters, another ' + setting)
 
 
 def _command_topic(spec: ConfiguredModel, resolve: Resolve) -> str:

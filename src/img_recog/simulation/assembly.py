@@ -2,20 +2,19 @@
 
 loading/assemble.py reads the files for it. Nothing is logged: what is not done is in a report.
 """
-import contextlib
 import dataclasses
 import heapq
 import math
-from typing import Callable, Iterator, NamedTuple, Sequence
+from typing import Callable, NamedTuple, Sequence
 
-from img_recog.errors import SimulationError, UserError, one_line, shortened
+from img_recog.errors import SimulationError, one_line, shortened
 from img_recog.formats import drive_tags
 from img_recog.formats.world_file import WorldFile
 from img_recog.model import Tree
 from img_recog.report import NOT_SIMULATED, NOTE, Report
 from img_recog.settings import SettingError
 from img_recog.simulation import configured_model, wheels
-from img_recog.simulation.configured_model import ConfiguredModel
+from img_recog.simulation.configured_model import ConfiguredModel, refusals
 from img_recog.simulation.physics import standing
 from img_recog.simulation.physics.body import Body
 from img_recog.simulation.physics.client import all_or_nothing, connect
@@ -137,7 +136,7 @@ def _check_drive(spec: ConfiguredModel, step_s: float, body: FramedBody) -> None
     drive = spec.settings.drive
     if drive.is_there:
         whole_steps('drive_period_s', drive.drive_period_s, step_s)
-        with _refusal(spec):
+        with refusals(spec.source):
             check_motors(spec.new_drive().motors, body)
 
 
@@ -148,7 +147,7 @@ def add_robot(simulator: Simulator, spec: ConfiguredModel, report: Report,
     report: gets what is simulated in another way than asked; it has the findings of `spec`, or
     will get them. Other arguments and errors as for `build`; after an error, nothing has changed.
     """
-    with _refusal(spec), all_or_nothing(simulator.world.physics_client_id):
+    with refusals(spec.source), all_or_nothing(simulator.world.physics_client_id):
         robot = Robot(spec, simulator.world)
     simulator.world.add([robot])
     unused = [each.name for each in spec.sensors if each.kind.name in unused_sensors]
@@ -182,16 +181,16 @@ def add_robot_apart(simulator: Simulator, spec: ConfiguredModel, report: Report)
     add_robot(simulator, spec, report)
     robot = simulator.robots[-1]
     try:
-        if spec.has_place:
-            others = simulator.overlapped(robot.body)
+        with refusals(spec.source):
+            others = simulator.overlapped(robot.body) if spec.has_place else []
             if others:
                 raise SimulationError('it would start inside of {}'.format(', '.join(others)),
                                       'give it another x_pos, y_pos or z_pos')
-        else:
-            _start_apart(simulator, robot)
-    except UserError as error:
+            if not spec.has_place:
+                _start_apart(simulator, robot)
+    except SimulationError:
         simulator.world.remove(robot)
-        raise configured_model.refused(spec.source, error.problem, error.advice)
+        raise
     _look_at_place(robot, simulator.world, report)
 
 
@@ -260,11 +259,3 @@ def _look_at_place(robot: Robot, world: World, report: Report) -> None:
     if below == -1:
         report.add(NOTE, 'it falls, as nothing is below it: the world has no ground_plane or '
                    'other floor there')
-
-
-@contextlib.contextmanager
-def _refusal(spec: ConfiguredModel) -> Iterator[None]:
-    try:
-        yield
-    except SimulationError as error:
-        raise configured_model.refused(spec.source, error.problem, error.advice)

@@ -124,13 +124,12 @@ class SensorKind(NamedTuple):
 class ConfiguredSensor(NamedTuple):
     """A sensor of a robot.
 
-    name: of its readings: for the first of a kind, that of the kind. number: among those of its
-    kind, from 0. values: the settings in its tag, by name, none for one without a tag. place:
-    where its tag puts it, None if nothing says it; label: its own name; type: of its <sensor>, ''
-    if it is a plugin alone; is_bare: whether it has no plugin that publishes what it measures.
+    number: among those of its kind, from 0. values: the settings in its tag, by name, none for one
+    without a tag. place: where its tag puts it, None if nothing says it; label: its own name;
+    type: of its <sensor>, '' if it is a plugin alone; is_bare: whether it has no plugin that
+    publishes what it measures.
     """
 
-    name: str
     kind: SensorKind
     number: int = 0
     values: Values = {}
@@ -140,26 +139,11 @@ class ConfiguredSensor(NamedTuple):
     is_bare: bool = False
 
     @property
+    def name(self) -> str:
+        """The name of its readings: for the first of a kind, that of the kind."""
+        return '{}_{}'.format(self.kind.name, self.number + 1) if self.number else self.kind.name
+
+    @property
     def reads_parameters(self) -> bool:
         """Whether parameters of the user count more than its tag."""
         return self.number == 0 and not self.kind.only_in_tags
-
-
-def sensors_of(kinds: Sequence[SensorKind],
-               in_tags: Sequence[ConfiguredSensor] = ()) -> List[ConfiguredSensor]:
-    """Return the sensors that a robot can have, in the order of their kinds; in_tags: those of its
-    file. A kind that is not there has one for which settings are looked for elsewhere.
-    """
-    found = []
-    for kind in kinds:
-        own = [each for each in in_tags if each.kind is kind]
-        if not own and not kind.only_in_tags:
-            found.append(ConfiguredSensor(kind.name, kind))
-        found += [each._replace(name=numbered(kind, number), number=number)
-                  for number, each in enumerate(own)]
-    return found
-
-
-def numbered(kind: SensorKind, number: int) -> str:
-    """Return the name of a sensor; number: among those of its kind, from 0."""
-    return '{}_{}'.format(kind.name, number + 1) if number else kind.name
