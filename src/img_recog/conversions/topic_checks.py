@@ -20,30 +20,27 @@ def check_topics(spec: ConfiguredModel, others: Sequence[ConfiguredModel],
 
     others: those that have their topics.
     """
-    _check_names(spec)
-    _check_cameras((*others, spec), resolve)
-    own, command = _published(spec, resolve), _command_topic(spec, resolve)
-    published = {topic for each in others for topic in _published(each, resolve)}
-    for topic in own:
-        if own.count(topic) > 1 or topic in published:
-            raise SimulationError('two sensors are on the topic {}'.format(topic),
-                                  'give each another topic')
-    commands = {_command_topic(each, resolve) for each in (*others, spec)}
-    for topic in (*own, command):
-        if topic in _TAKEN:
-            raise SimulationError('the topic {} is not that of a robot'.format(topic),
-                                  'give its plugin another one')
-        if topic in commands and topic in {*own, *published}:
-            raise SimulationError('a sensor and commands are on the topic {}'.format(topic),
-                                  'give each another topic')
-
-
-def _check_names(spec: ConfiguredModel) -> None:
     for settings in (spec.settings.drive, *spec.settings.sensors.values()):
         for setting in topic_fields(settings):
             topic = spec.names.topic(getattr(settings, setting))
             if not rosgraph.names.is_legal_name(topic):
                 raise SettingError(setting, topic, 'a valid topic name')
+    robots = spec, *others
+    _check_cameras((*others, spec), resolve)
+    command, *commands = [resolve(each.names.topic(each.settings.drive.command_topic))
+                          for each in robots]
+    own, *published = [_published(each, resolve) for each in robots]
+    for topic in own:
+        if own.count(topic) > 1 or any(topic in each for each in published):
+            raise SimulationError('two sensors are on the topic {}'.format(topic),
+                                  'give each another topic')
+    for topic in (*own, command):
+        if topic in _TAKEN:
+            raise SimulationError('the topic {} is not that of a robot'.format(topic),
+                                  'give its plugin another one')
+        if topic in (command, *commands) and any(topic in each for each in (own, *published)):
+            raise SimulationError('a sensor and commands are on the topic {}'.format(topic),
+                                  'give each another topic')
 
 
 def _check_cameras(specs: Sequence[ConfiguredModel], resolve: Resolve) -> None:
@@ -59,10 +56,6 @@ def _check_cameras(specs: Sequence[ConfiguredModel], resolve: Resolve) -> None:
                         'the topic {} is {} and {}'.format(topic, other, owner),
                         'give each camera other topics: in a <gazebo> tag, another <cameraName>; '
                         'as parameters, another ' + setting)
-
-
-def _command_topic(spec: ConfiguredModel, resolve: Resolve) -> str:
-    return resolve(spec.names.topic(spec.settings.drive.command_topic))
 
 
 def _published(spec: ConfiguredModel, resolve: Resolve) -> List[str]:
