@@ -7,7 +7,7 @@ PURE = ('camera', 'formats', 'recognition', 'rendering', 'simulation', 'teleoper
 GROUND_FLOOR = ('camera_arguments', 'command_line', 'errors', 'files', 'loading', 'model',
                 'processes', 'report', 'rotations', 'settings')
 # the rooms of simulation/, from the lowest to the highest: none imports one above it
-SIMULATION_ROOMS = ('simulation_settings', 'names', 'wheels', 'physics', 'sensors',
+SIMULATION_ROOMS = ('simulation_settings', 'wheels', 'physics', 'sensors',
                     'configured_model', 'simulated_model', 'guard', 'simulator', 'pictures',
                     'models', 'figures', 'pacing', 'assembly')
 # libraries that only some folders or files may use

@@ -6,7 +6,7 @@ import rosgraph
 from img_recog.errors import SimulationError
 from img_recog.settings import SettingError
 from img_recog.simulation.configured_model import ConfiguredModel
-from img_recog.simulation.names import topic_fields
+from img_recog.simulation.simulation_settings import topic_fields
 
 _TAKEN = '/clock', '/tf', '/tf_static', '/rosout', '/rosout_agg', '/diagnostics'
 # Returns the global name of a topic.

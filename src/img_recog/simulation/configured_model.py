@@ -14,13 +14,13 @@ from img_recog.formats.drive_controllers import FindControllers
 from img_recog.model import DIFFERENTIAL, PLANAR, Model, Tree
 from img_recog.report import NOT_SIMULATED, NOT_USED, Finding, Report
 from img_recog.settings import SettingError, from_mapping
-from img_recog.simulation.names import Names
 from img_recog.simulation import wheels
 from img_recog.simulation.physics.drive import DifferentialDrive, Drive, PlanarDrive
 from img_recog.simulation.sensors import in_files
 from img_recog.simulation.sensors.sensor import ConfiguredSensor, SensorKind
-from img_recog.simulation.simulation_settings import (CameraSettings, DriveSettings, NoiseSettings,
-                                                      RobotSettings, SpawnSettings, names_in)
+from img_recog.simulation.simulation_settings import (CameraSettings, DriveSettings, Names,
+                                                      NoiseSettings, RobotSettings, SpawnSettings,
+                                                      names_in)
 
 # read(settings class, values) returns the settings that the user gives, else those in `values`,
 # by name: those of tags, and as the URDF has them, the separation and the diameter of the wheels

@@ -29,12 +29,13 @@ class Simulator:
 
     Attributes:
         world: World.
+        steps: Simulated time in steps of the physics.
         after_step: Called after each step of the physics, if it is set.
     """
 
     def __init__(self, world: World):
         self.world = world
-        self._steps = 0
+        self.steps = 0
         self.after_step: Optional[Callable[[], None]] = None
         self._flying: Set[str] = set()
         self._hanging: Dict[str, int] = {}      # looks in a row at which a robot hung, by its name
@@ -57,40 +58,35 @@ class Simulator:
         return [mounted for model in self.models for mounted in model.sensors]
 
     @property
-    def steps(self) -> int:
-        """The simulated time in steps of the physics."""
-        return self._steps
-
-    @property
     def time_s(self) -> float:
         """The simulated time."""
-        return self._steps * self.world.step_s
+        return self.steps * self.world.step_s
 
     def next_reading(self, kinds: Collection[str]) -> Optional[int]:
         """Return the next step at which a sensor of some kinds is read; None if there is none."""
-        return min((each.next_reading(self._steps) for mounted in self.sensors
+        return min((each.next_reading(self.steps) for mounted in self.sensors
                     for each in mounted.enabled if each.kind in kinds), default=None)
 
     def advance(self, steps: int) -> List[Reading]:
         """Advance by a number of steps; return the readings of the sensors, in order of time."""
         readings: List[Reading] = []
-        end = self._steps + steps
-        self._guard.before_steps(self._steps)
+        end = self.steps + steps
+        self._guard.before_steps(self.steps)
         robots, sensors = self.robots, self.sensors
         timed: List[Union[Robot, MountedSensors]] = [*robots, *sensors]
         for mounted in sensors:
-            mounted.before_step(self._steps)
-        while self._steps < end:
+            mounted.before_step(self.steps)
+        while self.steps < end:
             for robot in robots:
-                robot.before_step(self._steps)
-            stop = min((each.next_event(self._steps) for each in timed), default=end)
-            begin, stop = self._steps, min(stop, end)
-            while self.after_step is not None and self._steps < stop:
+                robot.before_step(self.steps)
+            stop = min((each.next_event(self.steps) for each in timed), default=end)
+            begin, stop = self.steps, min(stop, end)
+            while self.after_step is not None and self.steps < stop:
                 self.world.step()
-                self._steps += 1
+                self.steps += 1
                 self.after_step()
-            self.world.step(stop - self._steps)
-            self._steps = stop
+            self.world.step(stop - self.steps)
+            self.steps = stop
             self._guard.look(stop)
             if stop // _LOOK_STEPS > begin // _LOOK_STEPS:
                 self._look_for_flights()
@@ -123,7 +119,7 @@ class Simulator:
 
     def _read(self, sensors: Sequence[MountedSensors]) -> List[Reading]:
         """Return the readings of the sensors that are due now."""
-        due = [each for mounted in sensors for each in mounted.due(self._steps)]
+        due = [each for mounted in sensors for each in mounted.due(self.steps)]
         if not due:         # most often
             return []
         values = _read_together([each.sensor for each in due])
@@ -172,7 +168,7 @@ class Simulator:
         for mounted in self.sensors:
             mounted.reset()
         for robot in self.robots:
-            robot.drives_from = self._steps
+            robot.drives_from = self.steps
 
     def reset_simulation(self) -> None:
         """Do what `reset_world` does, set the time to 0 and let all noise begin anew.
@@ -180,7 +176,7 @@ class Simulator:
         Equal commands then give equal motion and readings, to the last bit unless many jointed
         models touch one another.
         """
-        self._steps = 0
+        self.steps = 0
         self.reset_world()
         for mounted in self.sensors:
             mounted.restart_noise()

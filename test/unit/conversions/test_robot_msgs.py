@@ -27,10 +27,10 @@ READING = ImuReading((0.0, 0.0, 0.6, 0.8), (1.0, 2.0, 3.0), (4.0, 5.0, 6.0))
 
 def test_twist_round_trip():
     msg = twist_msgs.to_msg(0.3, -0.4)
-    assert twist_msgs.from_msg(msg) == (0.3, -0.4)
+    assert twist_msgs.from_msg(msg) == (0.3, -0.4, 0.0)
     msg.linear.y = 0.2
-    assert twist_msgs.planar_from_msg(msg) == (0.3, -0.4, 0.2)
-    assert twist_msgs.planar_from_msg(TwistStamped(twist=msg)) == (0.3, -0.4, 0.2)
+    assert twist_msgs.from_msg(msg) == (0.3, -0.4, 0.2)
+    assert twist_msgs.from_msg(TwistStamped(twist=msg)) == (0.3, -0.4, 0.2)
     msg.linear.x = msg.linear.y = msg.angular.z = 0.0
     assert msg == Twist()
 
@@ -44,7 +44,7 @@ def test_twist_that_is_not_finite_is_refused_by_name(part, axis, value):
     with pytest.raises(twist_msgs.TwistError, match='{}.{}={}'.format(part, axis, value)):
         twist_msgs.from_msg(msg)
     with pytest.raises(twist_msgs.TwistError):
-        twist_msgs.planar_from_msg(TwistStamped(twist=msg))
+        twist_msgs.from_msg(TwistStamped(twist=msg))
 
 
 def test_odometry():

@@ -146,7 +146,7 @@ class RobotTopics(ModelTopics):
     def _keep_command(self, msg: Union[Twist, TwistStamped]) -> None:
         try:
             # checked here, so that a bad command does not replace a good one
-            replaced = self._commands.put(twist_msgs.planar_from_msg(msg))
+            replaced = self._commands.put(twist_msgs.from_msg(msg))
         except twist_msgs.TwistError as error:
             self._counts.refused.add(error)
             self._warn('ignored a message on %s: %s', self._command_topic, error)

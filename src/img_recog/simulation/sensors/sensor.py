@@ -8,11 +8,10 @@ from img_recog.formats.gazebo_tags import Tags, Values
 from img_recog.formats.noises import Noise
 from img_recog.model import AttachedFrame
 from img_recog.settings import nearest_period
-from img_recog.simulation.names import topic_fields
 from img_recog.simulation.physics.drive import Drive
 from img_recog.simulation.physics.framed_body import FramedBody
 from img_recog.simulation.physics.world import World
-from img_recog.simulation.simulation_settings import whole_steps
+from img_recog.simulation.simulation_settings import topic_fields, whole_steps
 
 
 class Sensor(abc.ABC):
