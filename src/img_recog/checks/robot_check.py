@@ -5,9 +5,7 @@ from typing import Any, Dict, Iterator, List, Mapping, NamedTuple, Optional, Seq
 import numpy as np
 
 from img_recog.checks import looks
-from img_recog.checks.looks import Looks
-from img_recog.checks.check_report import (MEASURED, SIMULATED, CheckReport, CheckRow, rows_of,
-                                           size)
+from img_recog.checks.check_report import MEASURED, SIMULATED, CheckReport, CheckRow, rows_of
 from img_recog.conversions.topic_checks import check_topics
 from img_recog.errors import UserError, one_line
 from img_recog.formats import drive_controllers
@@ -52,10 +50,10 @@ def check(path: str, parameters: Sequence[str] = ()) -> CheckReport:
     drive = spec.settings.drive
     built = assemble.simulator(PhysicsSettings(world=EMPTY), [spec])
     simulator, robot = built.simulator, built.simulator.robots[0]
-    seen = looks.read(simulator)
-    rows = [*_body(robot, seen), *_friction(spec), *_drive(spec),
+    drawn, boxes = looks.read(simulator)
+    rows = [*_body(robot, boxes), *_friction(spec), *_drive(spec),
             *_sensors(spec, robot),
-            seen.row, *rows_of(built.report)]
+            drawn, *rows_of(built.report)]
     before = built.report.lines()
     lines: Dict[str, None] = {}
     # a wheel about a wrong axis leaves the floor, which is not its defect
@@ -89,10 +87,10 @@ def _controllers(namespace: str, paths: Sequence[str]) -> Controllers:
     return found
 
 
-def _body(robot: Robot, seen: Looks) -> Iterator[CheckRow]:
+def _body(robot: Robot, boxes: Sequence[looks.Box]) -> Iterator[CheckRow]:
     body = robot.body
     yield CheckRow(SIMULATED, 'mass', '{:.4g} kg'.format(body.mass()))
-    yield CheckRow(SIMULATED, 'size', size(seen.boxes[0]))
+    yield CheckRow(SIMULATED, 'size', looks.size(boxes[0]))
     yield CheckRow(SIMULATED, 'root link', body.root)
     yield CheckRow(SIMULATED, 'movable joints', ', '.join(body.joints) or 'none')
     held = [joint.name for joint in body.model.joints if joint.held and joint.name not in (

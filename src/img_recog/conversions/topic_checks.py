@@ -63,7 +63,6 @@ def _published(spec: ConfiguredModel, resolve: Resolve) -> List[str]:
 
     Sensors of a kind can share one, like in Gazebo.
     """
-    found = dict.fromkeys(
-        (topic, each.name if each.kind.is_drawn else each.kind.msg_type) for each in spec.sensors
-        for topic in each.kind.topics(spec.settings.sensors[each.name]))
+    found = dict.fromkeys((topic, each.kind.msg_type) for each in spec.sensors
+                          for topic in each.kind.topics(spec.settings.sensors[each.name]))
     return [resolve(spec.names.topic(topic)) for topic, _ in found]

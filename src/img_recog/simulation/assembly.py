@@ -18,7 +18,6 @@ from img_recog.simulation.configured_model import ConfiguredModel, refusals
 from img_recog.simulation.physics import standing
 from img_recog.simulation.physics.body import Body
 from img_recog.simulation.physics.client import all_or_nothing, connect
-from img_recog.simulation.physics.framed_body import FramedBody
 from img_recog.simulation.physics.robot import check_motors
 from img_recog.simulation.physics.world import World
 from img_recog.simulation.sensors.sensor import SensorKind
@@ -117,7 +116,11 @@ def add_sensors(world: World, model: SimulatedModel, kinds: Sequence[SensorKind]
             continue
         try:
             spec = configured_model.from_sdf(tree, world.step_s, kinds, with_bare)
-            _check_drive(spec, world.step_s, body)
+            drive = spec.settings.drive
+            if drive.is_there:      # one that could not drive as its file says is refused
+                whole_steps('drive_period_s', drive.drive_period_s, world.step_s)
+                with refusals(spec.source):
+                    check_motors(spec.new_drive().motors, body)
             # what has no place belongs to a drive, which only a robot has
             spec = spec._replace(sensors=tuple(each for each in spec.sensors if each.place))
             mounted = MountedSensors(spec, world, body)
@@ -129,15 +132,6 @@ def add_sensors(world: World, model: SimulatedModel, kinds: Sequence[SensorKind]
         world.report.extend(spec.findings)
         if spec.sensors:
             model.sensors.append(mounted)
-
-
-def _check_drive(spec: ConfiguredModel, step_s: float, body: FramedBody) -> None:
-    """Raise SimulationError if a model could not drive as its file says."""
-    drive = spec.settings.drive
-    if drive.is_there:
-        whole_steps('drive_period_s', drive.drive_period_s, step_s)
-        with refusals(spec.source):
-            check_motors(spec.new_drive().motors, body)
 
 
 def add_robot(simulator: Simulator, spec: ConfiguredModel, report: Report,
