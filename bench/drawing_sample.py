@@ -21,9 +21,8 @@ from img_recog.rendering.opengl import Renderer
 from img_recog.replay import scenario
 from img_recog.simulation.physics.body import BodyPose
 from img_recog.simulation.physics.client import connect
-from img_recog.simulation.pictures import visual_scene
-from img_recog.simulation.pictures.scene import Scene, SceneCopy, poses_of
 from img_recog.simulation.pictures.visual_scene import Parts
+from img_recog.simulation.pictures.window import Scene, SceneCopy, poses_of, scene_of
 from img_recog.simulation.sensors.robot_camera import RobotCamera
 from img_recog.simulation.simulation_settings import CameraSettings, SpawnSettings
 
@@ -54,12 +53,12 @@ def simulate() -> Drive:
     robot = simulator.robots[0]
     camera = RobotCamera(robot.body, CameraSettings(camera_frame='camera_link'), parts.poses)
     robot.command(*SPEEDS)
-    visuals, moments = visual_scene.read(built.scene, parts), []
+    visuals, moments = parts.scene(), []
     for _ in range(FRAMES):
         simulator.advance(FRAME_STEPS)
         exposure = camera.read()
         moments.append(Moment(exposure.camera_pose, exposure.poses, poses_of(simulator)))
-    return Drive(built.scene, visuals, moments)
+    return Drive(scene_of(simulator), visuals, moments)
 
 
 Draw = Callable[[Moment], np.ndarray]

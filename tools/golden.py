@@ -32,7 +32,6 @@ from img_recog.report import LEFT_OUT
 from img_recog.simulation.assembly import Assembly
 from img_recog.simulation.figures import Figures
 from img_recog.simulation.physics.body import Body
-from img_recog.simulation.pictures import visual_scene
 from img_recog.simulation.pictures.visual_scene import Parts
 from img_recog.simulation.simulation_settings import PhysicsSettings
 
@@ -88,7 +87,7 @@ def _bodies(built: Assembly) -> Iterator[str]:
     for body in simulator.world.bodies:
         yield from ('body {} {}'.format(body.name, line) for line in _of_body(body))
     parts = Parts(simulator)
-    for visual in visual_scene.read(built.scene, parts).visuals:
+    for visual in parts.scene().visuals:
         yield 'visual ' + _plain(visual)
     simulator.close()
 

@@ -8,6 +8,7 @@ from img_recog.simulation.figures import Figures
 from img_recog.simulation.models import Models
 from img_recog.simulation.physics.client import connect
 from img_recog.simulation.physics.world import World
+from img_recog.simulation.simulated_model import SimulatedModel
 from img_recog.simulation.simulation_settings import PhysicsSettings
 from img_recog.simulation.simulator import Simulator
 
@@ -69,7 +70,7 @@ def _pose(text):
 def world(*models, name='hall.world'):
     """Return a world with these models."""
     file = world_file.read(name, {}, read_file=lambda path: sdf(*models))
-    return World(PhysicsSettings(), file, connect())
+    return World(PhysicsSettings(), file, connect(), make=SimulatedModel)
 
 
 def simulated(*models, velocities=()):

@@ -7,10 +7,9 @@ PURE = ('camera', 'formats', 'recognition', 'rendering', 'simulation', 'teleoper
 GROUND_FLOOR = ('camera_arguments', 'command_line', 'errors', 'files', 'loading', 'model',
                 'processes', 'report', 'rotations', 'settings')
 # the rooms of simulation/, from the lowest to the highest: none imports one above it
-SIMULATION_ROOMS = ('simulation_settings', 'names', 'wheels', 'physics', 'sensors',
-                    'configured_model', 'mounted_sensors', 'simulated_model', 'guard', 'hanging',
-                    'simulator', 'pictures', 'states', 'models', 'model_forces', 'figures',
-                    'places', 'pacing', 'assembly')
+SIMULATION_ROOMS = ('simulation_settings', 'wheels', 'physics', 'sensors',
+                    'configured_model', 'simulated_model', 'guard', 'simulator', 'pictures',
+                    'models', 'figures', 'pacing', 'assembly')
 # libraries that only some folders or files may use
 OWNERS = {
     **dict.fromkeys(('pybullet', 'pybullet_data', 'pybullet_utils'), (

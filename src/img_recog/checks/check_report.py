@@ -1,7 +1,5 @@
 """What a check found, as a table."""
-from typing import List, NamedTuple, Optional, Sequence
-
-import numpy as np
+from typing import List, NamedTuple, Sequence
 
 from img_recog.command_line.results import text_table
 from img_recog.report import LEFT_OUT, NOTE, Finding, Report
@@ -53,15 +51,3 @@ def rows_of(report: Report) -> List[CheckRow]:
 def _is_of_world(finding: Finding) -> bool:
     """Return whether a world without this is refused."""
     return finding.kind == LEFT_OUT and finding.owner.startswith('world ')
-
-
-def size(box: Optional[np.ndarray]) -> str:
-    """Return the size of a box (2, 3), its lowest and highest corner in m; None: not drawn.
-
-    >>> size(np.array([(0, 0, 0), (1, 0.25, 2)]))
-    '1 x 0.25 x 2 m'
-    """
-    if box is None:
-        return 'not drawn'
-    return ' x '.join('{:.4g}'.format(round(top - bottom, 4))
-                      for bottom, top in box.T) + ' m'

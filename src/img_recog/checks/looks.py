@@ -1,6 +1,7 @@
 """What of a simulation can be drawn, and how large it is."""
+import collections
 import functools
-from typing import Dict, List, NamedTuple, Optional, Set
+from typing import Dict, List, Optional, Set, Tuple
 
 import numpy as np
 
@@ -12,36 +13,33 @@ from img_recog.formats.meshes import mesh_file
 from img_recog.model import Visual
 from img_recog.rendering import triangles
 from img_recog.report import NOT_DRAWN
-from img_recog.simulation.pictures import visual_scene
-from img_recog.simulation.pictures.scene import scene_of
+from img_recog.simulation.pictures.visual_scene import Parts
 from img_recog.simulation.simulator import Simulator
 
 
-class Looks(NamedTuple):
-    """row: how much there is to draw; boxes: the lowest
-    and the highest corner, (2, 3), of each body, robots first; None for one that is not drawn."""
-
-    row: CheckRow
-    boxes: List[Optional[np.ndarray]]
+Box = Optional[np.ndarray]      # the lowest and the highest corner (2, 3), None if not drawn
 
 
-def read(simulator: Simulator) -> Looks:
-    """Read all that there is to draw; the world's report gets the files that cannot be read."""
-    parts = visual_scene.Parts(simulator)
-    visuals = visual_scene.read(scene_of(simulator), parts).visuals
-    poses, reader = parts.poses(), _Reader()
-    corners: Dict[int, List[np.ndarray]] = {}
+def read(simulator: Simulator) -> Tuple[CheckRow, List[Box]]:
+    """Read all that there is to draw; the world's report gets the files that cannot be read.
+
+    Returns:
+        A row with how much there is to draw, and the box of each body, in the order of the world.
+    """
+    parts = Parts(simulator)
+    visuals, poses, reader = parts.scene().visuals, parts.poses(), _Reader()
+    corners: Dict[int, List[np.ndarray]] = collections.defaultdict(list)
     for visual in visuals:
-        corners.setdefault(visual.part, []).append(_placed(reader.positions(visual),
-                                                           visual.pose, poses[visual.part]))
-    boxes = [_box([each for number in numbers.values() for each in corners.get(number, ())])
+        corners[visual.part].append(_placed(reader.positions(visual), visual.pose,
+                                            poses[visual.part]))
+    boxes = [_box([each for number in numbers.values() for each in corners[number]])
              for numbers in parts.numbers()]
     row = CheckRow(
         SIMULATED, 'drawn', '{} shapes, {} triangles, {} mesh files, {} textures'.format(
             len(visuals), reader.triangles, len(reader.meshes), len(reader.textures)))
     for problem in reader.problems:
         simulator.world.report.add(NOT_DRAWN, problem)
-    return Looks(row, boxes)
+    return row, boxes
 
 
 class _Reader:
@@ -88,3 +86,15 @@ def _placed(corners: np.ndarray, pose: np.ndarray, part: np.ndarray) -> np.ndarr
 def _box(corners: List[np.ndarray]) -> Optional[np.ndarray]:
     found = np.concatenate(corners) if corners else np.empty((0, 3))
     return np.array([found.min(axis=0), found.max(axis=0)]) if len(found) else None
+
+
+def size(box: Box) -> str:
+    """Return the size of a box, in m.
+
+    >>> size(np.array([(0, 0, 0), (1, 0.25, 2)]))
+    '1 x 0.25 x 2 m'
+    """
+    if box is None:
+        return 'not drawn'
+    return ' x '.join('{:.4g}'.format(round(top - bottom, 4))
+                      for bottom, top in box.T) + ' m'

@@ -1,14 +1,11 @@
 """How the robot in a file is simulated: built as in the node, and driven."""
-import dataclasses
 import math
 from typing import Any, Dict, Iterator, List, Mapping, NamedTuple, Optional, Sequence, Tuple
 
 import numpy as np
 
 from img_recog.checks import looks
-from img_recog.checks.looks import Looks
-from img_recog.checks.check_report import (MEASURED, SIMULATED, CheckReport, CheckRow, rows_of,
-                                           size)
+from img_recog.checks.check_report import MEASURED, SIMULATED, CheckReport, CheckRow, rows_of
 from img_recog.conversions.topic_checks import check_topics
 from img_recog.errors import UserError, one_line
 from img_recog.formats import drive_controllers
@@ -19,7 +16,7 @@ from img_recog.formats.yaml_text import load_yaml
 from img_recog.loading import assemble
 from img_recog.report import ASSUMED, NOT_SIMULATED
 from img_recog.simulation import wheels
-from img_recog.simulation.configured_model import ConfiguredModel, refused
+from img_recog.simulation.configured_model import ConfiguredModel, refusals
 from img_recog.simulation.simulation_settings import DriveSettings, PhysicsSettings
 from img_recog.simulation.simulator import Simulator
 from img_recog.simulation.simulated_model import Robot
@@ -48,17 +45,15 @@ def check(path: str, parameters: Sequence[str] = ()) -> CheckReport:
     """
     spec = assemble.robot(path,
                           controllers=lambda namespace: _controllers(namespace, parameters))
-    try:
+    with refusals(path):
         check_topics(spec, [], lambda name: '/' + name.lstrip('/'))
-    except UserError as error:
-        raise refused(path, error.problem, error.advice)
     drive = spec.settings.drive
     built = assemble.simulator(PhysicsSettings(world=EMPTY), [spec])
     simulator, robot = built.simulator, built.simulator.robots[0]
-    seen = looks.read(simulator)
-    rows = [*_body(robot, seen), *_friction(spec), *_drive(spec),
+    drawn, boxes = looks.read(simulator)
+    rows = [*_body(robot, boxes), *_friction(spec), *_drive(spec),
             *_sensors(spec, robot),
-            seen.row, *rows_of(built.report)]
+            drawn, *rows_of(built.report)]
     before = built.report.lines()
     lines: Dict[str, None] = {}
     # a wheel about a wrong axis leaves the floor, which is not its defect
@@ -92,10 +87,10 @@ def _controllers(namespace: str, paths: Sequence[str]) -> Controllers:
     return found
 
 
-def _body(robot: Robot, seen: Looks) -> Iterator[CheckRow]:
+def _body(robot: Robot, boxes: Sequence[looks.Box]) -> Iterator[CheckRow]:
     body = robot.body
     yield CheckRow(SIMULATED, 'mass', '{:.4g} kg'.format(body.mass()))
-    yield CheckRow(SIMULATED, 'size', size(seen.boxes[0]))
+    yield CheckRow(SIMULATED, 'size', looks.size(boxes[0]))
     yield CheckRow(SIMULATED, 'root link', body.root)
     yield CheckRow(SIMULATED, 'movable joints', ', '.join(body.joints) or 'none')
     held = [joint.name for joint in body.model.joints if joint.held and joint.name not in (
@@ -121,18 +116,17 @@ def _drive(robot: ConfiguredModel) -> Iterator[CheckRow]:
         yield CheckRow(NOT_SIMULATED, 'drive', 'none')
         return
     measured = wheels.measure(robot.model, drive).values()
-    is_given = any(field.name in robot.tag_values for field in dataclasses.fields(drive))
-    for field in dataclasses.fields(drive):
-        if field.name in _OF_WHEELS and not drive.left_joints:
+    given = robot.tag_values.keys() & vars(drive)
+    for name, value in vars(drive).items():
+        if name in _OF_WHEELS and not drive.left_joints:
             continue
-        value = getattr(drive, field.name)
-        text = _text(value) + _UNITS.get(field.name, '')
-        if field.name in robot.tag_values or (field.name == 'drive' and is_given):
-            yield CheckRow(SIMULATED, field.name, text, 'plugin or controller')
-        elif measured.get(field.name) == value:
-            yield CheckRow(SIMULATED, field.name, text, 'shapes of the wheels')
-        elif field.name in _UNITS:
-            yield CheckRow(ASSUMED, field.name, text, 'default')
+        text = _text(value) + _UNITS.get(name, '')
+        if name in given or (name == 'drive' and given):
+            yield CheckRow(SIMULATED, name, text, 'plugin or controller')
+        elif measured.get(name) == value:
+            yield CheckRow(SIMULATED, name, text, 'shapes of the wheels')
+        elif name in _UNITS:
+            yield CheckRow(ASSUMED, name, text, 'default')
 
 
 def _text(value: Any) -> str:
@@ -147,15 +141,14 @@ def _text(value: Any) -> str:
 
 
 def _sensors(spec: ConfiguredModel, robot: Robot) -> Iterator[CheckRow]:
-    for name, kind, _, _, place, *_ in spec.sensors:
-        settings = robot.settings.sensors[name]
+    for sensor in spec.sensors:
+        name, kind, settings = sensor.name, sensor.kind, robot.settings.sensors[sensor.name]
         if kind.is_drawn:
             yield _camera(settings)
             continue
-        if name in robot.missing_sensors:       # a finding
+        if name in robot.mounted.missing:       # a finding
             continue
-        is_given = place is not None or any(field.name in spec.tag_values
-                                            for field in dataclasses.fields(settings))
+        is_given = sensor.place is not None or bool(spec.tag_values.keys() & vars(settings))
         yield CheckRow(SIMULATED if is_given else ASSUMED, name, '{} on {}, {:.4g} Hz'.format(
             getattr(kind.msg_type, '_type'), kind.topic(settings),
             1 / getattr(settings, kind.name + '_period_s')),
@@ -196,7 +189,7 @@ def _driven(spec: ConfiguredModel, simulator: Simulator) -> Iterator[_Driven]:
     """
     robot = simulator.robots[0]
     for sensor in spec.sensors:
-        robot.set_sensor_enabled(sensor.name, False)
+        robot.mounted.set_enabled(sensor.name, False)
     drive = robot.settings.drive
     linear = min(_LINEAR, drive.max_linear_velocity or _LINEAR)
     angular = min(_ANGULAR, drive.max_angular_velocity or _ANGULAR)

@@ -14,7 +14,7 @@ from img_recog.loading import assemble
 from img_recog.report import NOT_DRAWN
 from img_recog.simulation.figures import Figures
 from img_recog.simulation.models import Models
-from img_recog.simulation.mounted_sensors import MountedSensors
+from img_recog.simulation.simulated_model import MountedSensors
 from img_recog.simulation.simulation_settings import PhysicsSettings, SpawnSettings
 
 _PRINTED = ('imu', 'range', 'scan')         # kinds of sensors
@@ -95,7 +95,7 @@ class SimulationRun:
 
     def _draw(self, folder: str) -> None:
         """Write a PNG of each camera."""
-        drawing = Drawing(self._built)
+        drawing = Drawing(self._simulator)
         for line in drawing.missing:
             self.report.add(NOT_DRAWN, line)
         os.makedirs(folder, exist_ok=True)

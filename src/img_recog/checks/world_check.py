@@ -1,11 +1,10 @@
 """How the world in a file is simulated: built as in the node."""
-from typing import Iterator
+from typing import Iterator, Sequence
 
 import numpy as np
 
 from img_recog.checks import looks
-from img_recog.checks.looks import Looks
-from img_recog.checks.check_report import SIMULATED, CheckReport, CheckRow, rows_of, size
+from img_recog.checks.check_report import SIMULATED, CheckReport, CheckRow, rows_of
 from img_recog.formats.world_file import WorldFile
 from img_recog.loading import assemble
 from img_recog.report import LEFT_OUT
@@ -24,8 +23,8 @@ def check(path: str, allow_partial: bool = False) -> CheckReport:
     built = assemble.simulator(PhysicsSettings(world=path, allow_partial_world=True),
                                with_sensors=True, with_drives=True)
     file, report = built.simulator.world.file, built.report
-    seen = looks.read(built.simulator)
-    rows = [*_models(built.simulator.world, seen), *_rest(file), seen.row, *rows_of(report)]
+    drawn, boxes = looks.read(built.simulator)
+    rows = [*_models(built.simulator.world, boxes), *_rest(file), drawn, *rows_of(report)]
     problem = '' if allow_partial or not report.of(LEFT_OUT) else (
         'something is left out of it; give --allow-partial-world here, and {} to the demo'.format(
             _OPTION))
@@ -33,18 +32,18 @@ def check(path: str, allow_partial: bool = False) -> CheckReport:
                        report.is_partial)
 
 
-def _models(world: World, seen: Looks) -> Iterator[CheckRow]:
-    for tree, body, box in zip(world.trees, world.bodies, seen.boxes):
+def _models(world: World, boxes: Sequence[looks.Box]) -> Iterator[CheckRow]:
+    for tree, body, box in zip(world.trees, world.bodies, boxes):
         how = '{:.4g} kg'.format(body.mass())
         if tree.fixed:      # what is static has no inertia
             mass = sum(link.inertia.mass for link in tree.model.links if link.inertia)
             how = '{:.4g} kg, joined to the world'.format(mass) if mass else 'static'
-        yield CheckRow(SIMULATED, 'model ' + tree.name, '{}, {}'.format(how, size(box)))
-    boxes = [box for box in seen.boxes if box is not None]
-    if boxes:
+        yield CheckRow(SIMULATED, 'model ' + tree.name, '{}, {}'.format(how, looks.size(box)))
+    of_drawn = [box for box in boxes if box is not None]
+    if of_drawn:
         yield CheckRow(SIMULATED, 'models', '{}, {}'.format(
             sum(tree.first for tree in world.trees),
-            size(np.array([np.min(boxes, axis=0)[0], np.max(boxes, axis=0)[1]]))))
+            looks.size(np.array([np.min(of_drawn, axis=0)[0], np.max(of_drawn, axis=0)[1]]))))
 
 
 def _rest(file: WorldFile) -> Iterator[CheckRow]:

@@ -1,16 +1,18 @@
-"""Conversion of sensor_msgs/Image to and from arrays, by cv_bridge."""
+"""Conversion of sensor_msgs/Image to and from arrays, by cv_bridge, and of sensor_msgs/CameraInfo
+to and from calibrations."""
 import contextlib
 import functools
 import math
 import re
 import sys
-from typing import Any, Iterator, Tuple
+from typing import Any, Iterator, Optional, Tuple
 
 import cv2
 import numpy as np
-from sensor_msgs.msg import Image
+from sensor_msgs.msg import CameraInfo, Image
 from std_msgs.msg import Header
 
+from img_recog.camera.calibration import Calibration
 from img_recog.errors import UserError, one_line, shortened
 from img_recog.formats.still_images import ImageTooLarge, check_size
 
@@ -171,3 +173,25 @@ def _normalized(msg: Image) -> Image:
     return Image(header=msg.header, height=msg.height, width=msg.width, encoding=msg.encoding,
                  is_bigendian=sys.byteorder == 'big', step=row_bytes,
                  data=(pixels.byteswap() if swapped else pixels).tobytes())
+
+
+def info_to_msg(calibration: Optional[Calibration], width: int, height: int,
+                header: Header) -> CameraInfo:
+    """Return the message for images of width x height, in pixels.
+
+    calibration: None for a camera that is not calibrated; then all matrices are zero, as
+    sensor_msgs/CameraInfo defines.
+    """
+    msg = CameraInfo(header=header, width=width, height=height)
+    if calibration is not None:
+        msg.width, msg.height = calibration.width, calibration.height
+        msg.distortion_model = calibration.distortion_model
+        msg.D, msg.K = list(calibration.distortion), list(calibration.camera_matrix)
+        msg.R, msg.P = list(calibration.rectification), list(calibration.projection)
+    return msg
+
+
+def info_from_msg(msg: CameraInfo, camera_name: str) -> Calibration:
+    """Return the calibration in a message."""
+    return Calibration(camera_name, msg.width, msg.height, msg.distortion_model, tuple(msg.D),
+                       tuple(msg.K), tuple(msg.R), tuple(msg.P))

@@ -1,26 +1,42 @@
-"""Converts nav_msgs/Odometry and sensor_msgs/JointState, LaserScan, Range and Imu.
+"""Converts nav_msgs/Odometry, sensor_msgs/JointState, LaserScan, Range and Imu, and
+gazebo_msgs/ContactsState; reads and makes stamps.
 
 The values are those of the simulation, and the frames in settings are those that others see.
 With the message of an earlier call with the same settings as `out`, a `to_msg` changes that one:
 to make a message takes longer than to fill it.
+
+NO_CONTACTS says why the package gazebo_msgs cannot be used, '' if it can.
 """
 import functools
-from typing import List, Optional, Sequence, Union
+import struct
+from typing import Any, List, Optional, Sequence, Union
 
 import genpy
 import numpy as np
-from geometry_msgs.msg import Point, Quaternion, TransformStamped, Vector3
+from geometry_msgs.msg import Point, Quaternion, TransformStamped, Vector3, Wrench
 from nav_msgs.msg import Odometry
 from sensor_msgs.msg import Imu, JointState, LaserScan, Range
 
+from img_recog.errors import one_line
 from img_recog.simulation.physics.body import Motion, Vector
 from img_recog.simulation.physics.robot import JointStates
+from img_recog.simulation.sensors.contact_sensor import ContactSettings, Touch
 from img_recog.simulation.sensors.imu import ImuReading, ImuSettings
 from img_recog.simulation.sensors.joint_states import JointStateSettings
 from img_recog.simulation.sensors.laser_scanner import ScanSettings
 from img_recog.simulation.sensors.odometry import OdometrySettings
 from img_recog.simulation.sensors.range_sensor import ULTRASOUND, RangeSettings
 
+try:
+    from gazebo_msgs.msg import ContactsState, ContactState
+    NO_CONTACTS = ''
+except ImportError as error:
+    ContactsState = ContactState = None
+    NO_CONTACTS = 'gazebo_msgs cannot be loaded: {}'.format(one_line(error))
+
+_COLLISION = '::collision'      # PyBullet does not keep the names of shapes
+_SEQ_AND_STAMP = struct.Struct('<III')      # at the beginning of a serialized header
+_HEADER_TYPES = ('Header header', 'std_msgs/Header header')
 # of x, y, z, roll, pitch, yaw (libgazebo_ros_diff_drive): z, roll and pitch are not estimated
 _POSE_COVARIANCE = np.diag((1e-5, 1e-5, 1e12, 1e12, 1e12, 1e-3)).ravel().tolist()
 
@@ -37,6 +53,19 @@ def stamp_of(time_s: float) -> genpy.Time:
     stamp = genpy.Time.__new__(genpy.Time)      # its checks take ten times as long as the rest
     stamp.secs, stamp.nsecs = divmod(round(time_s * 1e9), 1000000000)
     return stamp
+
+
+def stamp_in(data: bytes, type_name: str, definition: str) -> Optional[genpy.Time]:
+    """Return the stamp in a serialized message, None if its type has no header as first field.
+
+    >>> stamp_in(bytes([0] * 4 + [5, 0, 0, 0] * 2), 'my/Type', 'int8 NO=0\\nHeader header').secs
+    5
+    """
+    lines = (line.split('#')[0].strip() for line in definition.splitlines())
+    first = next((line for line in lines if line and '=' not in line), '')
+    if type_name != 'std_msgs/Header' and ' '.join(first.split()) not in _HEADER_TYPES:
+        return None
+    return genpy.Time(*_SEQ_AND_STAMP.unpack_from(data)[1:])
 
 
 def odometry_to_msg(motion: Motion, settings: OdometrySettings, stamp: genpy.Time,
@@ -147,6 +176,38 @@ def imu_from_msg(msg: Imu) -> ImuReading:
                       (force.x, force.y, force.z))
 
 
+def contacts_to_msg(touches: List[Touch], settings: ContactSettings, stamp: genpy.Time,
+                    _: Any = None) -> Any:
+    """Return the message for what touches; torques are about the origin of the sensor.
+
+    Like in gazebo_plugins, all is in the world, whatever the frame is called.
+    """
+    msg = ContactsState(states=[_state(touch) for touch in touches])
+    msg.header.frame_id, msg.header.stamp = settings.contact_frame, stamp
+    return msg
+
+
+def contacts_from_msg(msg: Any) -> List[Touch]:
+    """Return what a message says; the origin, which it does not say, is 0 0 0."""
+    return [Touch(state.collision1_name[:-len(_COLLISION)],
+                  state.collision2_name[:-len(_COLLISION)],
+                  _arrays(state.contact_positions), _arrays(state.contact_normals),
+                  np.array(state.depths), _arrays([wrench.force for wrench in state.wrenches]),
+                  np.zeros(3)) for state in msg.states]
+
+
+def _state(touch: Touch) -> Any:
+    torques = np.cross(touch.positions - touch.origin, touch.forces)
+    return ContactState(
+        collision1_name=touch.own + _COLLISION, collision2_name=touch.other + _COLLISION,
+        wrenches=[Wrench(Vector3(*force), Vector3(*torque))
+                  for force, torque in zip(touch.forces, torques)],
+        total_wrench=Wrench(Vector3(*touch.forces.sum(axis=0)), Vector3(*torques.sum(axis=0))),
+        contact_positions=[Vector3(*each) for each in touch.positions],
+        contact_normals=[Vector3(*each) for each in touch.normals],
+        depths=touch.depths.tolist())
+
+
 def _isotropic(variance: float) -> List[float]:
     return [variance, 0.0, 0.0, 0.0, variance, 0.0, 0.0, 0.0, variance]
 
@@ -161,3 +222,7 @@ def _set_quaternion(msg: Quaternion, quaternion: Sequence[float]) -> None:
 
 def _array(vector) -> np.ndarray:
     return np.array([vector.x, vector.y, vector.z])
+
+
+def _arrays(vectors) -> np.ndarray:
+    return np.array([_array(vector) for vector in vectors])

@@ -6,7 +6,7 @@ of the documentation go by this table. The images of cameras are drawn by anothe
 from nav_msgs.msg import Odometry
 from sensor_msgs.msg import Image, Imu, JointState, LaserScan, Range
 
-from img_recog.conversions import contact_msgs, robot_msgs
+from img_recog.conversions import robot_msgs
 from img_recog.simulation.sensors import (contact_sensor, imu, joint_states, laser_scanner,
                                           odometry, range_sensor, robot_camera)
 from img_recog.simulation.sensors.sensor import SensorKind
@@ -25,8 +25,8 @@ SENSORS = (
     SensorKind('range', range_sensor.RangeSettings, range_sensor.RangeSensor, range_sensor.TAGS,
                Range, robot_msgs.range_to_msg, noise_number=5, only_in_tags=True),
     SensorKind('contact', contact_sensor.ContactSettings, contact_sensor.ContactSensor,
-               contact_sensor.TAGS, contact_msgs.ContactsState, contact_msgs.to_msg,
-               noise_number=6, only_in_tags=True, missing=contact_msgs.MISSING),
+               contact_sensor.TAGS, robot_msgs.ContactsState, robot_msgs.contacts_to_msg,
+               noise_number=6, only_in_tags=True, missing=robot_msgs.NO_CONTACTS),
     SensorKind(robot_camera.CAMERA, CameraSettings, robot_camera.make, robot_camera.TAGS, Image,
                None, noise_number=7, only_in_tags=True),
 )

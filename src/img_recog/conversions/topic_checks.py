@@ -3,10 +3,10 @@ from typing import Callable, Dict, List, Sequence
 
 import rosgraph
 
-from img_recog.errors import SimulationError, UserError
+from img_recog.errors import SimulationError
 from img_recog.settings import SettingError
 from img_recog.simulation.configured_model import ConfiguredModel
-from img_recog.simulation.names import topic_fields
+from img_recog.simulation.simulation_settings import topic_fields
 
 _TAKEN = '/clock', '/tf', '/tf_static', '/rosout', '/rosout_agg', '/diagnostics'
 # Returns the global name of a topic.
@@ -20,30 +20,27 @@ def check_topics(spec: ConfiguredModel, others: Sequence[ConfiguredModel],
 
     others: those that have their topics.
     """
-    _check_names(spec)
-    _check_cameras((*others, spec), resolve)
-    own, command = _published(spec, resolve), _command_topic(spec, resolve)
-    published = {topic for each in others for topic in _published(each, resolve)}
-    for topic in own:
-        if own.count(topic) > 1 or topic in published:
-            raise SimulationError('two sensors are on the topic {}'.format(topic),
-                                  'give each another topic')
-    commands = {_command_topic(each, resolve) for each in (*others, spec)}
-    for topic in (*own, command):
-        if topic in _TAKEN:
-            raise SimulationError('the topic {} is not that of a robot'.format(topic),
-                                  'give its plugin another one')
-        if topic in commands and topic in {*own, *published}:
-            raise SimulationError('a sensor and commands are on the topic {}'.format(topic),
-                                  'give each another topic')
-
-
-def _check_names(spec: ConfiguredModel) -> None:
     for settings in (spec.settings.drive, *spec.settings.sensors.values()):
         for setting in topic_fields(settings):
             topic = spec.names.topic(getattr(settings, setting))
             if not rosgraph.names.is_legal_name(topic):
                 raise SettingError(setting, topic, 'a valid topic name')
+    robots = spec, *others
+    _check_cameras((*others, spec), resolve)
+    command, *commands = [resolve(each.names.topic(each.settings.drive.command_topic))
+                          for each in robots]
+    own, *published = [_published(each, resolve) for each in robots]
+    for topic in own:
+        if own.count(topic) > 1 or any(topic in each for each in published):
+            raise SimulationError('two sensors are on the topic {}'.format(topic),
+                                  'give each another topic')
+    for topic in (*own, command):
+        if topic in _TAKEN:
+            raise SimulationError('the topic {} is not that of a robot'.format(topic),
+                                  'give its plugin another one')
+        if topic in (command, *commands) and any(topic in each for each in (own, *published)):
+            raise SimulationError('a sensor and commands are on the topic {}'.format(topic),
+                                  'give each another topic')
 
 
 def _check_cameras(specs: Sequence[ConfiguredModel], resolve: Resolve) -> None:
@@ -55,13 +52,10 @@ def _check_cameras(specs: Sequence[ConfiguredModel], resolve: Resolve) -> None:
                 owner = '{} of the camera on {}'.format(setting, camera.camera_frame)
                 other = owners.setdefault(resolve(topic), owner)
                 if other is not owner:
-                    raise UserError('the topic {} is {} and {}'.format(topic, other, owner),
-                                    'give each camera other topics: in a <gazebo> tag, another '
-                                    '<cameraName>; as parameters, another ' + setting)
-
-
-def _command_topic(spec: ConfiguredModel, resolve: Resolve) -> str:
-    return resolve(spec.names.topic(spec.settings.drive.command_topic))
+                    raise SimulationError(
+                        'the topic {} is {} and {}'.format(topic, other, owner),
+                        'give each camera other topics: in a <gazebo> tag, another <cameraName>; '
+                        'as parameters, another ' + setting)
 
 
 def _published(spec: ConfiguredModel, resolve: Resolve) -> List[str]:
@@ -69,7 +63,6 @@ def _published(spec: ConfiguredModel, resolve: Resolve) -> List[str]:
 
     Sensors of a kind can share one, like in Gazebo.
     """
-    found = dict.fromkeys(
-        (topic, each.name if each.kind.is_drawn else each.kind.msg_type) for each in spec.sensors
-        for topic in each.kind.topics(spec.settings.sensors[each.name]))
+    found = dict.fromkeys((topic, each.kind.msg_type) for each in spec.sensors
+                          for topic in each.kind.topics(spec.settings.sensors[each.name]))
     return [resolve(spec.names.topic(topic)) for topic, _ in found]

@@ -22,22 +22,13 @@ def to_msg(linear_x: float, angular_z: float = 0.0, linear_y: float = 0.0) -> Tw
     return msg
 
 
-def from_msg(msg: Twist) -> Tuple[float, float]:
-    """Return linear.x in m/s and angular.z in rad/s.
+def from_msg(msg: Union[Twist, TwistStamped]) -> Tuple[float, float, float]:
+    """Return linear.x in m/s, angular.z in rad/s and linear.y in m/s.
 
-    >>> from_msg(to_msg(0.2, -0.5))
-    (0.2, -0.5)
+    >>> from_msg(TwistStamped(twist=to_msg(0.2, -0.5)))
+    (0.2, -0.5, 0.0)
 
     Raises TwistError when any of the six fields is not a finite number.
-    """
-    return planar_from_msg(msg)[:2]
-
-
-def planar_from_msg(msg: Union[Twist, TwistStamped]) -> Tuple[float, float, float]:
-    """Return linear.x in m/s, angular.z in rad/s and linear.y in m/s; errors as for `from_msg`.
-
-    >>> planar_from_msg(TwistStamped(twist=to_msg(0.2, -0.5)))
-    (0.2, -0.5, 0.0)
     """
     twist = msg.twist if isinstance(msg, TwistStamped) else msg
     values = {part + '.' + axis: getattr(getattr(twist, part), axis)

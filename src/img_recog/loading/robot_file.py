@@ -35,17 +35,12 @@ def read(path: str, option: str = 'urdf') -> str:
     try:
         content = read_bytes(path)
         text = '' if path.endswith(_XACRO) else _text(content)
-    except MarkupError as error:
-        raise UserError('cannot read the robot in {}: {}'.format(path, error.problem),
-                        'set {} to a URDF file'.format(option))
-    except OSError as error:
-        raise UserError('cannot read the robot in {}: {}'.format(path, one_line(error)),
-                        'set {} to a URDF file'.format(option))
-    except ValueError:
-        raise UserError('cannot read the robot in {}: it is not a text file'.format(path),
-                        'set {} to a URDF file'.format(option))
+    except (OSError, MarkupError) as error:
+        raise UserError('cannot read the robot in {}: {}'.format(
+            path, error.problem if isinstance(error, MarkupError) else one_line(error)),
+            'set {} to a URDF file'.format(option))
     if path.endswith(_XACRO):
-        return _checked_and_expanded(path, content, arguments)
+        return _expanded(path, content, arguments)
     try:
         root = parse_xml(text)
     except MarkupError:
@@ -63,7 +58,7 @@ def read_any(path: str) -> Union[str, bytes]:
     Raises OSError and MarkupError as `read_bytes` does, and UserError as `read` does.
     """
     content = read_bytes(path)
-    return _checked_and_expanded(path, content) if path.endswith(_XACRO) else content
+    return _expanded(path, content) if path.endswith(_XACRO) else content
 
 
 def xacro_command() -> int:
@@ -75,9 +70,9 @@ def xacro_command() -> int:
 
 
 def _text(content: bytes) -> str:
-    """Return what is UTF-8, or else Latin-1; ValueError for what is no text."""
+    """Return what is UTF-8, or else Latin-1; MarkupError for what is no text."""
     if b'\0' in content:
-        raise ValueError('it has a NUL')
+        raise MarkupError('it is not a text file')
     try:
         return content.decode()
     except UnicodeDecodeError:
@@ -97,15 +92,11 @@ def _divided(text: str) -> Tuple[str, List[str]]:
                             for word in found.group(2).split()]
 
 
-def _checked_and_expanded(path: str, content: bytes, arguments: Sequence[str] = ()) -> str:
+def _expanded(path: str, content: bytes, arguments: Sequence[str] = ()) -> str:
     try:
         check_xml(content)
     except MarkupError as error:
         raise _failed(path, error)
-    return _expanded(path, arguments)
-
-
-def _expanded(path: str, arguments: Sequence[str]) -> str:
     command = _ros_command()
     if command is not None:
         return _expanded_by_command(command, path, arguments)

@@ -7,7 +7,7 @@ from sensor_msgs.msg import CameraInfo
 from std_msgs.msg import Header
 
 from img_recog.camera.calibration import Calibration, scaled
-from img_recog.conversions import camera_info_msgs
+from img_recog.conversions import image_msgs
 from img_recog.recordings.frames import Frame
 
 # returns a new message for a frame; raises UserError if none fits to it
@@ -19,7 +19,7 @@ def of_calibration(calibration: Optional[Calibration]) -> CameraInfos:
     def camera_info(frame: Frame) -> CameraInfo:
         height, width = frame.image.shape[:2]
         fitting = calibration and scaled(calibration, width, height)
-        return camera_info_msgs.to_msg(fitting, width, height, frame.header)
+        return image_msgs.info_to_msg(fitting, width, height, frame.header)
     return camera_info
 
 

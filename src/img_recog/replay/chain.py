@@ -18,7 +18,7 @@ from img_recog.teleoperation.profile import PERIOD_S
 if TYPE_CHECKING:       # they import PyBullet, which film.py does not need
     from img_recog.simulation.physics.body import Motion
     from img_recog.simulation.simulator import Simulator
-    from img_recog.simulation.mounted_sensors import Reading
+    from img_recog.simulation.simulated_model import Reading
 
 RECOGNITION, TELEOP = 'recognition', 'teleop'
 _TELEOP_PERIOD_NS = round(PERIOD_S * SECOND_NS)

@@ -83,7 +83,7 @@ class FunctionRecognition(Recognition):
             raise _Failed('it returns {}, expected geometry_msgs/Twist, TwistStamped or None'
                           .format(type(result).__name__))
         try:
-            return [Command(*map(float, twist_msgs.planar_from_msg(result)))]
+            return [Command(*map(float, twist_msgs.from_msg(result)))]
         except (UserError, AttributeError, OverflowError, TypeError, ValueError) as error:
             raise _Failed('it returns a bad command: {}'.format(one_line(error)))
 

@@ -88,7 +88,7 @@ def drive_of(path: str, bag: BagFile, odometry: str, known: Sequence[Color]
 
 def _velocity(twist: Twist) -> Tuple[float, float]:
     """Return a velocity; raise UserError if it cannot be drawn."""
-    linear, angular = twist_msgs.from_msg(twist)
+    linear, angular, _ = twist_msgs.from_msg(twist)
     if max(abs(linear), abs(angular)) > MAX_NUMBER:
         raise UserError('got {:g} m/s, {:g} rad/s, expected numbers up to {:g}'.format(
             linear, angular, MAX_NUMBER))

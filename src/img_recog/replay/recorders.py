@@ -12,7 +12,7 @@ from img_recog.recognition.recognition_settings import Color
 from img_recog.replay.chain import (RECOGNITION, SECOND_NS, TELEOP, CommandSent, FrameResult,
                                     Recorder)
 from img_recog.replay.plot_data import SPEED, TURN, PlotData, Rows
-from img_recog.simulation.mounted_sensors import Reading
+from img_recog.simulation.simulated_model import Reading
 
 RECORDED = 'odometry', 'joint_states'       # of the sensors
 _KINDS = {kind.name: kind for kind in SENSORS}

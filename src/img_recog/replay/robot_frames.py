@@ -32,7 +32,7 @@ class RobotFrames(Frames):
         that nothing else uses meanwhile, by default a new one.
         """
         super().__init__(settings.camera_frame)
-        self._camera, self._drawing = DrawnCamera(settings), Drawing(built, drawn_by)
+        self._camera, self._drawing = DrawnCamera(settings), Drawing(built.simulator, drawn_by)
         robot, = built.simulator.robots
         self._sensor = RobotCamera(robot.body, settings, self._drawing.poses)
         self._noise_seed = noise_seed

@@ -2,27 +2,34 @@
 
 loading/assemble.py reads the files for it. Nothing is logged: what is not done is in a report.
 """
-import contextlib
-from typing import Callable, Iterator, NamedTuple, Sequence
+import dataclasses
+import heapq
+import math
+from typing import Callable, NamedTuple, Sequence
 
-from img_recog.errors import SimulationError, UserError, one_line, shortened
+from img_recog.errors import SimulationError, one_line, shortened
 from img_recog.formats import drive_tags
 from img_recog.formats.world_file import WorldFile
 from img_recog.model import Tree
 from img_recog.report import NOT_SIMULATED, NOTE, Report
-from img_recog.simulation import configured_model, places, wheels
-from img_recog.simulation.configured_model import ConfiguredModel
-from img_recog.simulation.mounted_sensors import MountedSensors
+from img_recog.settings import SettingError
+from img_recog.simulation import configured_model, wheels
+from img_recog.simulation.configured_model import ConfiguredModel, refusals
 from img_recog.simulation.physics import standing
+from img_recog.simulation.physics.body import Body
 from img_recog.simulation.physics.client import all_or_nothing, connect
-from img_recog.simulation.physics.framed_body import FramedBody
 from img_recog.simulation.physics.robot import check_motors
 from img_recog.simulation.physics.world import World
-from img_recog.simulation.pictures.scene import Scene, scene_of
 from img_recog.simulation.sensors.sensor import SensorKind
 from img_recog.simulation.simulation_settings import PhysicsSettings, whole_steps
-from img_recog.simulation.simulated_model import Robot, SimulatedModel
+from img_recog.simulation.simulated_model import MountedSensors, Robot, SimulatedModel
 from img_recog.simulation.simulator import Simulator
+
+_GRID_M = 0.25              # less than a wall and the clearance on both sides of it
+_CLEARANCE_M = 0.1          # to what stands in the world
+_ROBOT_CLEARANCE_M = 0.25   # to other robots
+_MAX_TRIED = 10000
+_MAX_CLIMB_M = 0.05         # from one point of the grid to the next
 
 
 class Assembly(NamedTuple):
@@ -30,12 +37,10 @@ class Assembly(NamedTuple):
 
     Attributes:
         simulator: Simulator.
-        scene: Scene of which copies can be drawn.
         report: What is not done as the files ask.
     """
 
     simulator: Simulator
-    scene: Scene
     report: Report
 
 
@@ -75,8 +80,8 @@ def build(physics: PhysicsSettings, world: WorldFile,
             NOTE, 'they overlap at the start, and the physics will throw them apart; set '
             + ', '.join(map(option_name, ('x_pos', 'y_pos', 'z_pos'))))
     for model in simulator.models:
-        add_sensors(simulated_world, model, kinds, report, with_bare)
-    return Assembly(simulator, scene_of(simulator), report)
+        add_sensors(simulated_world, model, kinds, with_bare)
+    return Assembly(simulator, report)
 
 
 def _add_driven(simulator: Simulator, tree: Tree, kinds: Sequence[SensorKind],
@@ -95,14 +100,15 @@ def _add_driven(simulator: Simulator, tree: Tree, kinds: Sequence[SensorKind],
 
 
 def add_sensors(world: World, model: SimulatedModel, kinds: Sequence[SensorKind],
-                report: Report, with_bare: bool = False) -> None:
+                with_bare: bool = False) -> None:
     """Add the sensors that the file of a model of the world has; a robot has them already.
+
+    The report of the world gets what is not simulated of the drive and the sensors.
 
     Args:
         world: World of the model.
         model: Model.
         kinds: Kinds of sensors; none for models without sensors.
-        report: Gets what is not simulated of the drive and the sensors.
         with_bare: Whether sensors without a plugin are simulated, too.
     """
     for tree, body in zip(model.trees, model.bodies):
@@ -110,27 +116,22 @@ def add_sensors(world: World, model: SimulatedModel, kinds: Sequence[SensorKind]
             continue
         try:
             spec = configured_model.from_sdf(tree, world.step_s, kinds, with_bare)
-            _check_drive(spec, world.step_s, body)
+            drive = spec.settings.drive
+            if drive.is_there:      # one that could not drive as its file says is refused
+                whole_steps('drive_period_s', drive.drive_period_s, world.step_s)
+                with refusals(spec.source):
+                    check_motors(spec.new_drive().motors, body)
             # what has no place belongs to a drive, which only a robot has
             spec = spec._replace(sensors=tuple(each for each in spec.sensors if each.place))
             mounted = MountedSensors(spec, world, body)
         except SimulationError as error:
-            report.about('model ' + tree.name).add(
+            world.report.about('model ' + tree.name).add(
                 NOT_SIMULATED, 'its sensors' + ' and its drive' * drive_tags.is_driven(tree.model),
                 advice=one_line(error))
             continue
-        report.extend(spec.findings)
+        world.report.extend(spec.findings)
         if spec.sensors:
             model.sensors.append(mounted)
-
-
-def _check_drive(spec: ConfiguredModel, step_s: float, body: FramedBody) -> None:
-    """Raise SimulationError if a model could not drive as its file says."""
-    drive = spec.settings.drive
-    if drive.is_there:
-        whole_steps('drive_period_s', drive.drive_period_s, step_s)
-        with _refusal(spec):
-            check_motors(spec.new_drive().motors, body)
 
 
 def add_robot(simulator: Simulator, spec: ConfiguredModel, report: Report,
@@ -140,12 +141,12 @@ def add_robot(simulator: Simulator, spec: ConfiguredModel, report: Report,
     report: gets what is simulated in another way than asked; it has the findings of `spec`, or
     will get them. Other arguments and errors as for `build`; after an error, nothing has changed.
     """
-    with _refusal(spec), all_or_nothing(simulator.world.physics_client_id):
+    with refusals(spec.source), all_or_nothing(simulator.world.physics_client_id):
         robot = Robot(spec, simulator.world)
     simulator.world.add([robot])
     unused = [each.name for each in spec.sensors if each.kind.name in unused_sensors]
     for sensor in unused:
-        robot.set_sensor_enabled(sensor, False)
+        robot.mounted.set_enabled(sensor, False)
     drive = spec.settings.drive
     report = report.about(spec.source)
     for line in wheels.measure(spec.model, drive).warnings(drive, spec.tag_values):
@@ -157,7 +158,7 @@ def add_robot(simulator: Simulator, spec: ConfiguredModel, report: Report,
             '; it has: {}'.format(shortened(', '.join(others))) if others else '',
             drive_tags.ADVICE))
     for each in spec.sensors:
-        link = robot.missing_sensors.get(each.name, '')
+        link = robot.mounted.missing.get(each.name, '')
         if link and each.name not in unused:
             what = 'sensor {}: no link {}'.format(each.name, link)
             if each.values:
@@ -174,17 +175,66 @@ def add_robot_apart(simulator: Simulator, spec: ConfiguredModel, report: Report)
     add_robot(simulator, spec, report)
     robot = simulator.robots[-1]
     try:
-        if spec.has_place:
-            others = simulator.overlapped(robot.body)
+        with refusals(spec.source):
+            others = simulator.overlapped(robot.body) if spec.has_place else []
             if others:
                 raise SimulationError('it would start inside of {}'.format(', '.join(others)),
                                       'give it another x_pos, y_pos or z_pos')
-        else:
-            places.start_apart(simulator, robot)
-    except UserError as error:
+            if not spec.has_place:
+                _start_apart(simulator, robot)
+    except SimulationError:
         simulator.world.remove(robot)
-        raise configured_model.refused(spec.source, error.problem, error.advice)
+        raise
     _look_at_place(robot, simulator.world, report)
+
+
+def _start_apart(simulator: Simulator, robot: Robot) -> None:
+    """Let a robot start at the free place nearest to its start, with the same z_pos and yaw.
+
+    It can drive there from its start around all that stands in the world.
+    Raises SimulationError when there is no such place.
+    """
+    start = robot.settings.spawn
+    robots = [each.body for each in simulator.robots if each is not robot]
+    # (distance to the start, column, row, height of the place before): the nearest first
+    waiting, known = [(0.0, 0, 0, robot.lift.height_m)], {(0, 0)}
+    for _ in range(_MAX_TRIED):
+        if not waiting:
+            break
+        _, column, row, height_m = heapq.heappop(waiting)
+        try:
+            place = dataclasses.replace(start, x_pos=start.x_pos + column * _GRID_M,
+                                        y_pos=start.y_pos + row * _GRID_M)
+        except SettingError:        # too far away
+            continue
+        robot.set_start(place)
+        climb_m = abs(robot.lift.height_m - height_m)
+        if climb_m > _MAX_CLIMB_M or _is_at_wall(robot.body, simulator.world.scenery):
+            continue
+        if not standing.is_near(robot.body, robots, _ROBOT_CLEARANCE_M):
+            return
+        for cell in ((column + 1, row), (column - 1, row), (column, row + 1), (column, row - 1)):
+            if cell not in known:
+                known.add(cell)
+                heapq.heappush(waiting, (math.hypot(*cell), *cell, robot.lift.height_m))
+    if len(known) == 1:
+        raise SimulationError('x {:g} m, y {:g} m, where the search for a free place begins, is '
+                              'too near to a wall'.format(start.x_pos, start.y_pos),
+                              'give it another x_pos and y_pos')
+    raise SimulationError('there is no free place for it near x {:g} m, y {:g} m'.format(
+        start.x_pos, start.y_pos), 'start fewer robots, or give it x_pos and y_pos')
+
+
+def _is_at_wall(robot: Body, bodies: Sequence[Body]) -> bool:
+    """Return whether a robot is near to something other than what it stands on.
+
+    It is looked for as far above the robot's place as it may be away.
+    """
+    height_m = _CLEARANCE_M + standing.MAX_DEPTH_M
+    robot.raise_by(height_m)
+    is_near = standing.is_near(robot, bodies, _CLEARANCE_M)
+    robot.raise_by(-height_m)
+    return is_near
 
 
 def _look_at_place(robot: Robot, world: World, report: Report) -> None:
@@ -203,11 +253,3 @@ def _look_at_place(robot: Robot, world: World, report: Report) -> None:
     if below == -1:
         report.add(NOTE, 'it falls, as nothing is below it: the world has no ground_plane or '
                    'other floor there')
-
-
-@contextlib.contextmanager
-def _refusal(spec: ConfiguredModel) -> Iterator[None]:
-    try:
-        yield
-    except SimulationError as error:
-        raise configured_model.refused(spec.source, error.problem, error.advice)

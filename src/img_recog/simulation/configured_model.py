@@ -1,8 +1,9 @@
 """What a robot, or a model with sensors, is made from: its file and its settings."""
+import contextlib
 import dataclasses
 import functools
 import xml.etree.ElementTree as ElementTree
-from typing import (Any, Callable, Dict, List, Mapping, NamedTuple, Sequence, Tuple,
+from typing import (Any, Callable, Dict, Iterator, List, Mapping, NamedTuple, Sequence, Tuple,
                     Union, cast)
 
 from img_recog import rotations
@@ -13,13 +14,13 @@ from img_recog.formats.drive_controllers import FindControllers
 from img_recog.model import DIFFERENTIAL, PLANAR, Model, Tree
 from img_recog.report import NOT_SIMULATED, NOT_USED, Finding, Report
 from img_recog.settings import SettingError, from_mapping
-from img_recog.simulation.names import Names
 from img_recog.simulation import wheels
 from img_recog.simulation.physics.drive import DifferentialDrive, Drive, PlanarDrive
 from img_recog.simulation.sensors import in_files
-from img_recog.simulation.sensors.sensor import ConfiguredSensor, SensorKind, numbered, sensors_of
-from img_recog.simulation.simulation_settings import (CameraSettings, DriveSettings, NoiseSettings,
-                                                      RobotSettings, SpawnSettings, names_in)
+from img_recog.simulation.sensors.sensor import ConfiguredSensor, SensorKind
+from img_recog.simulation.simulation_settings import (CameraSettings, DriveSettings, Names,
+                                                      NoiseSettings, RobotSettings, SpawnSettings,
+                                                      names_in)
 
 # read(settings class, values) returns the settings that the user gives, else those in `values`,
 # by name: those of tags, and as the URDF has them, the separation and the diameter of the wheels
@@ -66,11 +67,9 @@ class ConfiguredModel(NamedTuple):
 
     def with_sensor(self, kind: SensorKind, settings: Any) -> 'ConfiguredModel':
         """Return the robot with one more sensor of a kind, which is in no file."""
-        number = sum(each.kind == kind for each in self.sensors)
-        name = numbered(kind, number)
-        sensors = [*self.sensors, ConfiguredSensor(name, kind, number)]
-        return self._replace(sensors=sensors).changed(
-            sensors={**self.settings.sensors, name: settings})
+        sensor = ConfiguredSensor(kind, sum(each.kind == kind for each in self.sensors))
+        return self._replace(sensors=[*self.sensors, sensor]).changed(
+            sensors={**self.settings.sensors, sensor.name: settings})
 
     def renamed(self, name: str) -> 'ConfiguredModel':
         """Return the robot with another name."""
@@ -100,7 +99,7 @@ def from_urdf(urdf: Union[str, ElementTree.Element], step_s: float, find: FindFi
     # several look for them, and each answer is one of the master
     controllers = functools.lru_cache(maxsize=None)(controllers)
     report = Report(source)
-    try:
+    with refusals(source):
         root = urdf_file.root_of(urdf)
         model = lumping.lumped(urdf_file.read(root, find, report, controllers), report)
         drive = drive_tags.find(root, step_s, report, controllers)
@@ -115,13 +114,10 @@ def from_urdf(urdf: Union[str, ElementTree.Element], step_s: float, find: FindFi
                 report.add(NOT_SIMULATED, 'joint {} of a joint state publisher'.format(name))
         values = {**(drive.values if drive else {}),
                   **drive_controllers.joint_states(root, controllers, step_s), **in_tags}
-        sensors = sensors_of(kinds, sensors)
         settings = _settings(model, sensors, values, read)
         return ConfiguredModel(
             source, model, settings, [each for each in sensors if each.name in settings.sensors],
             values, report.findings)
-    except (SimulationError, SettingError) as error:
-        raise refused(source, error.problem, error.advice)
 
 
 def from_sdf(tree: Tree, step_s: float, kinds: Sequence[SensorKind],
@@ -132,9 +128,8 @@ def from_sdf(tree: Tree, step_s: float, kinds: Sequence[SensorKind],
     with_bare: whether sensors without a plugin are simulated, too.
     Raises SimulationError when a value cannot be used.
     """
-    model = tree.model
-    source = 'model ' + model.name
-    try:
+    model, source = tree.model, 'model ' + tree.model.name
+    with refusals(source):
         drive = drive_tags.of_model(model, step_s)
         tags = drive and drive.tags
         report = Report(source)
@@ -145,16 +140,20 @@ def from_sdf(tree: Tree, step_s: float, kinds: Sequence[SensorKind],
         of_model = ['plugin ' + plugin.get('filename', '') for tag in model.tags if not tag.link
                     for plugin in tag.element.findall('plugin')]    # the audit names them
         # what has a place is in a tag; the rest belongs to a drive
-        sensors = [each for each in sensors_of(kinds, sensors)
+        sensors = [each for each in sensors
                    if each.place is not None or drive and not each.kind.tags.frame]
         values = {**(drive.values if drive else {}), **in_tags}
-        settings = _settings_of_tree(tree, sensors, values) if drive else RobotSettings(
-            sensors={each.name: settings_in_tag(each) for each in sensors})
+        if drive:
+            x, y, z = tree.pose.translation.tolist()
+            yaw = rotations.to_rpy(tree.pose.rotation).tolist()[2]
+            settings = dataclasses.replace(_settings(model, sensors, values, from_mapping),
+                                           spawn=SpawnSettings(x_pos=x, y_pos=y, z_pos=z, yaw=yaw))
+        else:
+            settings = RobotSettings(sensors={each.name: settings_in_tag(each)
+                                              for each in sensors})
         return ConfiguredModel(
             source, model, dataclasses.replace(settings, noise=settings.noise.of(tree.name)),
             sensors, values, tuple(each for each in report.findings if each.what not in of_model))
-    except (SimulationError, SettingError) as error:
-        raise refused(source, error.problem, error.advice)
 
 
 def _settings(model: Model, sensors: Sequence[ConfiguredSensor], tag_values: Mapping[str, Any],
@@ -183,14 +182,6 @@ def _is_there(sensor: ConfiguredSensor, settings: Any, drive: DriveSettings,
     return drive.is_there or any(name.startswith(sensor.kind.name) for name in values)
 
 
-def _settings_of_tree(tree: Tree, sensors: Sequence[ConfiguredSensor],
-                      tag_values: Mapping[str, Any]) -> RobotSettings:
-    x, y, z = tree.pose.translation.tolist()
-    yaw = rotations.to_rpy(tree.pose.rotation).tolist()[2]
-    return dataclasses.replace(_settings(tree.model, sensors, tag_values, from_mapping),
-                               spawn=SpawnSettings(x_pos=x, y_pos=y, z_pos=z, yaw=yaw))
-
-
 def settings_in_tag(sensor: ConfiguredSensor) -> Any:
     """Return the settings of a sensor in a file; SimulationError when one is not allowed."""
     try:
@@ -200,6 +191,11 @@ def settings_in_tag(sensor: ConfiguredSensor) -> Any:
             sensor.label if sensor.kind.is_drawn else sensor.name, error.problem), error.advice)
 
 
-def refused(source: str, problem: str, advice: str) -> SimulationError:
-    """Return the error that a robot cannot be used."""
-    return SimulationError('cannot use the robot in {}: {}'.format(source, problem), advice)
+@contextlib.contextmanager
+def refusals(source: str) -> Iterator[None]:
+    """Turn errors in the `with` block into those that the robot in `source` cannot be used."""
+    try:
+        yield
+    except (SimulationError, SettingError) as error:
+        raise SimulationError('cannot use the robot in {}: {}'.format(source, error.problem),
+                              error.advice)

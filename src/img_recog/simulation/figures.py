@@ -1,48 +1,38 @@
 """A simulation in figures, by the names that Gazebo gives: what simulate.py prints."""
-from typing import Dict, Iterator, List, Tuple
+from typing import Dict, Iterator, List
 
 import numpy as np
 
 from img_recog.errors import SimulationError
 from img_recog.formats.sdf_models import BETWEEN_AXES
-from img_recog.model import NO_INERTIA, Inertia
+from img_recog.model import NO_INERTIA
 from img_recog.simulation.models import LINK_SEPARATOR, Models
 from img_recog.simulation.physics.body import FrameState, velocity_at
-from img_recog.simulation.physics.framed_body import FramedBody
 from img_recog.simulation.simulator import Simulator
 
 
 class Figures:
-    """The links and joints of all models of a simulator, as long as nothing is added or removed.
+    """The links and joints of all models of a simulation, as long as nothing is added or removed.
 
     Names are MODEL::LINK and MODEL::JOINT.
     """
 
     def __init__(self, simulator: Simulator):
-        self._links: Dict[str, Tuple[FramedBody, str]] = {}
-        self._joints: Dict[str, Tuple[FramedBody, str]] = {}
-        self._held: List[str] = []
-        self._inertias: Dict[str, Inertia] = {}
-        for model, body in Models(simulator).bodies:
-            self._add(model + LINK_SEPARATOR, body)
-
-    def _add(self, prefix: str, body: FramedBody) -> None:
-        self._links.update((prefix + link, (body, link)) for link in body.link_names)
-        self._inertias.update((prefix + link.name, link.inertia or NO_INERTIA)
-                              for link in body.model.links if link.name in body.link_names)
-        self._joints.update((prefix + joint, (body, joint)) for joint in body.joints)
-        self._held += [prefix + joint for joint in body.model.held]
+        self._bodies = [(model + LINK_SEPARATOR, body) for model, body in Models(simulator).bodies]
+        self._joints = {prefix + joint: (body, joint) for prefix, body in self._bodies
+                        for joint in body.joints}
 
     def links(self) -> Dict[str, List[float]]:
         """Return x, y, z (m), a quaternion x, y, z, w, the velocity of the frame (m/s) and its
         angular velocity (rad/s) of each link, 13 numbers in the world.
         """
-        return {name: list(_numbers(body.frame_state(link)))
-                for name, (body, link) in self._links.items()}
+        return {prefix + link: list(_numbers(body.frame_state(link)))
+                for prefix, body in self._bodies for link in body.link_names}
 
     def joints(self) -> Dict[str, List[float]]:
         """Return position and velocity of each axis of each joint: rad and rad/s, or m and m/s."""
-        found: Dict[str, List[float]] = {name: [] for name in self._held}
+        found: Dict[str, List[float]] = {
+            prefix + joint: [] for prefix, body in self._bodies for joint in body.model.held}
         for name, (body, joint) in self._joints.items():
             found.setdefault(name.partition(BETWEEN_AXES)[0], []).extend(body.joint_state(joint))
         return found
@@ -52,8 +42,11 @@ class Figures:
 
         The axes are those that its file gives them in.
         """
+        inertias = {prefix + link.name: link.inertia or NO_INERTIA
+                    for prefix, body in self._bodies for link in body.model.links
+                    if link.name in body.link_names}
         return {name: [inertia.mass, *np.diag(inertia.matrix).tolist()]
-                for name, inertia in self._inertias.items()}
+                for name, inertia in inertias.items()}
 
     def set_motor(self, joint: str, velocity: float, limit: float) -> None:
         """Let a motor hold a joint at a velocity, in rad/s or m/s.

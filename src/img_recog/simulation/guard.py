@@ -10,7 +10,7 @@ from img_recog.simulation.physics.model_bodies import ModelBodies
 from img_recog.simulation.physics.sleeping import IDLE_S
 from img_recog.simulation.physics.world import World
 
-# m: beyond what can be set from outside, see states.py
+# m: beyond what can be set from outside, see models.py
 _FAR_M = 1e7
 # m/s and rad/s: the physics cuts velocities at 1e5, see body.py; what is as fast was thrown
 _FAST = 5e4
@@ -153,7 +153,8 @@ class Guard:
     def _restore(self, states: Dict[FramedBody, BodyState],
                  again: Iterable[ModelBodies] = ()) -> None:
         """Set states; again: models that are loaded again before."""
-        self._load_again(again)
+        for model in again:
+            self._world.load_again(model, freeze=model.bodies[0] in self._frozen)
         for body in self._world.fixed:
             if not _is_finite(body.state()):
                 body.reset()
@@ -173,11 +174,7 @@ class Guard:
     def _thaw(self, model: ModelBodies) -> None:
         for body in model.bodies:
             body.fixed = self._frozen.pop(body)
-        self._load_again([model])
-
-    def _load_again(self, models: Iterable[ModelBodies]) -> None:
-        for model in models:
-            self._world.load_again(model, freeze=model.bodies[0] in self._frozen)
+        self._world.load_again(model)
 
 
 def _moves(body: FramedBody) -> bool:

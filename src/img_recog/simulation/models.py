@@ -1,21 +1,66 @@
-"""The models of a simulation by name, like Gazebo's: read, set, added and removed."""
-from typing import Callable, Iterable, Iterator, List, Mapping, Sequence, Tuple, cast
+"""The models of a simulation by name, like Gazebo's: read, set, pushed, added and removed."""
+import math
+from typing import Callable, Iterable, Iterator, List, Mapping, NamedTuple, Sequence, Tuple
 
 import numpy as np
 
 from img_recog import rotations
 from img_recog.errors import SimulationError, shortened
 from img_recog.model import Tree
-from img_recog.rotations import IDENTITY, Transform
+from img_recog.rotations import IDENTITY, Quaternion, Transform
 from img_recog.simulation.physics.body import BodyPose, Motion, motion_of_frame, relative
 from img_recog.simulation.physics.framed_body import FramedBody
 from img_recog.simulation.physics.model_bodies import ModelBodies
+from img_recog.simulation.physics.pushes import Effort, Wrench
 from img_recog.simulation.simulated_model import SimulatedModel
 from img_recog.simulation.simulator import Simulator
-from img_recog.simulation.states import REST, State, check, in_world
 
 WORLD = 'world'
 LINK_SEPARATOR = '::'
+# m, m/s, N: far beyond this PyBullet computes NaN, and the floor carries nothing from then on
+_MAX_VALUE = 1e6
+
+
+class State(NamedTuple):
+    """Pose and velocity of a model or link in a reference frame: m, unit quaternion (x, y, z, w),
+    m/s, rad/s.
+
+    Like in Gazebo, a quaternion of zeros that is given is no rotation.
+    """
+
+    position: Sequence[float]
+    orientation: Quaternion
+    linear: Sequence[float]
+    angular: Sequence[float]
+
+    def pose(self) -> Transform:
+        """Return the pose in the reference frame."""
+        turn = self.orientation if np.linalg.norm(self.orientation) > 1e-6 else (0, 0, 0, 1)
+        return Transform(rotations.matrix(turn), np.array(self.position, float))
+
+    def check(self) -> None:
+        """Raise SimulationError when a number is too large or not finite."""
+        check('state', np.concatenate([np.array(part, float) for part in self]))
+
+
+REST = State((0.0, 0.0, 0.0), (0.0, 0.0, 0.0, 1.0), (0.0, 0.0, 0.0), (0.0, 0.0, 0.0))
+
+
+def in_world(motion: Motion) -> State:
+    """Return the state in the world of what moves so."""
+    turn = rotations.matrix(motion.orientation)
+    return State(motion.position.tolist(), motion.orientation, turn @ motion.linear,
+                 turn @ motion.angular)
+
+
+def check(what: str, values: Sequence[float]) -> None:
+    """Raise SimulationError, naming what they are, when numbers are too large or not finite."""
+    given = np.array(values, float)
+    if not np.all(np.isfinite(given)):
+        raise SimulationError('{}: got {}, expected finite numbers'.format(what, given.tolist()))
+    if np.abs(given).max(initial=0.0) > _MAX_VALUE:
+        raise SimulationError('{0}: got {1}, expected numbers from -{2:g} to {2:g}'.format(
+            what, given.tolist(), _MAX_VALUE))
 
 
 class Models:
@@ -44,10 +89,6 @@ class Models:
                 return model
         raise SimulationError('no model {!r} (models: {})'.format(name, ', '.join(self.names)))
 
-    def bodies_of(self, name: str) -> Sequence[FramedBody]:
-        """Return the bodies of a model; SimulationError when there is no such model."""
-        return self.model(name).bodies
-
     def link(self, name: str) -> Tuple[FramedBody, str]:
         """Return the body and the link of the name MODEL::LINK or, like Gazebo, the first LINK.
 
@@ -56,7 +97,7 @@ class Models:
         for found in self.links(name):
             return found
         model, _, link = name.partition(LINK_SEPARATOR)
-        known = [each for body in self.bodies_of(model) for each in body.link_names]
+        known = [each for body in self.model(model).bodies for each in body.link_names]
         raise SimulationError('model {} has no link {!r} (links: {})'.format(
             model, link, ', '.join(known)))
 
@@ -142,9 +183,10 @@ class Models:
             raise SimulationError('there is a model {} already'.format(name), 'give another name')
         pose = self.pose_in_world(state, frame)
         placed = [tree._replace(pose=pose @ tree.pose) for tree in trees]
-        model, = self._world.load(placed)
+        self._world.load(placed)
+        model = self._simulator.models[-1]
         model.name = name
-        return cast(SimulatedModel, model)
+        return model
 
     def pose_in_world(self, state: State, frame: str = WORLD) -> Transform:
         """Return the pose in the world that `state` has in a frame.
@@ -158,10 +200,73 @@ class Models:
     def remove(self, name: str) -> SimulatedModel:
         """Remove a model from the world, and return it; SimulationError if it is the floor."""
         model = self.model(name)
-        if self._world.floor in model.bodies:
+        if not isinstance(model, SimulatedModel):       # the floor
             raise SimulationError('model {} cannot be deleted'.format(name))
         self._world.remove(model)
-        return cast(SimulatedModel, model)
+        return model
+
+    def apply_wrench(self, link: str, force: Sequence[float], torque: Sequence[float],
+                     start_s: float, duration_s: float, point: Sequence[float] = (0.0, 0.0, 0.0),
+                     frame: str = WORLD) -> None:
+        """Let a force (3,) in N and a torque (3,) in N m act on a link for a time.
+
+        start_s: simulated, what has passed is now; duration_s: at least one step, below 0 until it
+        is cleared, and with 0 nothing acts. A reset of the world clears all.
+        They act at the center of mass, along the axes of the world, whatever the frame. In the
+        frame of the world, the lever of the force is `point` (3,) in m. Any other is the name of a
+        model or link: there, force, torque and point are given, and as gazebo_ros does it, they
+        are seen from the link as it stands now; its axes then count as those of the world.
+        Raises SimulationError when there is no such link or frame, or a number is not finite.
+        """
+        check('wrench', [*force, *torque, *point])
+        body, name = self.link(link)
+        act = np.array(force), np.array(torque) + np.cross(point, force)
+        if frame != WORLD:
+            seen = self.state(frame, link).pose()
+            turned = seen.rotation @ act[0]
+            act = turned, seen.rotation @ act[1] + np.cross(seen.translation, turned)
+        wait, left = self._steps_of(start_s, duration_s)
+        if left:
+            self._world.pushes.add(Wrench(body, name, wait, left, *act))
+
+    def apply_effort(self, joint: str, effort: float, start_s: float, duration_s: float) -> None:
+        """Let a torque in N m or a force in N act on the first axis of a joint; times as for
+        `apply_wrench`.
+
+        Not more than the file gives as the limit of the effort, and not beyond that of the
+        velocity. Raises SimulationError when there is no such joint that moves, or a number is not
+        finite.
+        """
+        check('effort', [effort])
+        body, name = self.joint(joint)
+        limits = body.limits(name)
+        wait, left = self._steps_of(start_s, duration_s)
+        if left:
+            within = min(max(effort, -limits.effort), limits.effort)
+            self._world.pushes.add(Effort(body, name, wait, left, within, limits.velocity))
+
+    def _steps_of(self, start_s: float, duration_s: float) -> Tuple[int, float]:
+        """Return the steps until something begins, and those for which it acts."""
+        step_s = self._world.step_s
+        wait = max(0, round(start_s / step_s) - self._simulator.steps)
+        if duration_s <= 0:
+            return wait, math.inf if duration_s < 0 else 0
+        return wait, max(1, round(duration_s / step_s))
+
+    def clear_wrenches(self, link: str) -> None:
+        """End those on MODEL::LINK, or on all links of a name.
+
+        Like in Gazebo, nothing happens if there are none.
+        """
+        self._clear(Wrench, list(self.links(link)))
+
+    def clear_efforts(self, joint: str) -> None:
+        """End those of MODEL::JOINT, or of all joints of a name; as for `clear_wrenches`."""
+        self._clear(Effort, list(self.joints(joint)))
+
+    def _clear(self, kind: type, targets: Sequence[Tuple[object, str]]) -> None:
+        self._world.pushes.remove(lambda push: isinstance(push, kind)
+                                  and (push.body, push.name) in targets)
 
     def _target(self, name: str) -> Tuple[ModelBodies, Sequence[FramedBody], Transform]:
         """Return a model, its bodies, or for MODEL::LINK the one of that root link, and the pose

@@ -1,20 +1,207 @@
 """Models with sensors, and robots: models with a drive."""
 import dataclasses
-from typing import Dict, List, Sequence, Set, Tuple, cast
+import sys
+from typing import Any, Dict, List, NamedTuple, Optional, Sequence, Set, Tuple, cast
+
+import numpy as np
 
 from img_recog import rotations
 from img_recog.model import Tree
 from img_recog.simulation.configured_model import ConfiguredModel
-from img_recog.simulation.mounted_sensors import MountedSensors
 from img_recog.simulation.physics.body import BodyPose
+from img_recog.simulation.physics.drive import Drive
 from img_recog.simulation.physics.framed_body import FramedBody
 from img_recog.simulation.physics.model_bodies import ModelBodies
 from img_recog.simulation.physics.robot import RobotBody
 from img_recog.simulation.physics.world import World
 from img_recog.simulation.sensors.odometry import WORLD, OdometrySettings
+from img_recog.simulation.sensors.ray_sensor import RaySensor
 from img_recog.simulation.sensors.robot_camera import RobotCamera
-from img_recog.simulation.sensors.sensor import ScheduledSensor
+from img_recog.simulation.sensors.sensor import ConfiguredSensor, Mount, Sensor
 from img_recog.simulation.simulation_settings import SpawnSettings, whole_steps
+
+
+class Reading(NamedTuple):
+    """What a sensor measured.
+
+    robot, sensor: their names; kind: of the sensor; time_s: simulated time; value: of the type
+    that the sensor's `read` returns.
+    """
+
+    robot: str
+    sensor: str
+    kind: str
+    time_s: float
+    value: Any
+
+
+class ScheduledSensor:
+    """A sensor that is read once in a period, while it is enabled.
+
+    Attributes:
+        robot: Name of the body that carries it.
+        name: Name of the sensor.
+        kind: Name of its kind.
+        sensor: Sensor.
+        enabled: Whether it is read.
+        skipped_from: Step of the physics from which on its readings were not made, while it is
+            disabled.
+    """
+
+    def __init__(self, robot: str, name: str, kind: str, period_steps: int, sensor: Sensor,
+                 noise: np.random.RandomState):
+        """period_steps: Steps between two readings. noise: Random generator of the sensor."""
+        self.robot, self.name, self.kind, self.sensor = robot, name, kind, sensor
+        self.enabled, self.skipped_from = True, 0
+        self._period_steps = period_steps
+        self._noise, self._state_at_start = noise, noise.get_state()
+
+    def is_due(self, steps: int) -> bool:
+        """Return whether it is read after `steps` steps."""
+        return steps % self._period_steps == 0
+
+    def next_reading(self, steps: int) -> int:
+        """Return the first step after `steps` at which it is read."""
+        return steps + self._period_steps - steps % self._period_steps
+
+    def restart_noise(self) -> None:
+        """Let the next noise be the first one."""
+        self._noise.set_state(self._state_at_start)
+        self.sensor.forget_noise()
+
+    def skip_until(self, steps: int) -> None:
+        """Let the next noise be the one that it is if all readings up to a step were made."""
+        self.sensor.skip_noise(steps // self._period_steps
+                               - self.skipped_from // self._period_steps)
+
+
+class MountedSensors:
+    """The sensors of one body.
+
+    Attributes:
+        spec: Configuration from which the sensors were made.
+        body: Body whose links carry the sensors.
+        settings: Settings of all sensors, in which an empty frame is the root link.
+        missing: Links that the body does not have, by the names of the sensors that are left out.
+        enabled: Sensors that are read.
+    """
+
+    def __init__(self, spec: ConfiguredModel, world: World, body: FramedBody,
+                 drive: Optional[Drive] = None):
+        """Mount the sensors.
+
+        Raises:
+            SimulationError: if a setting does not fit.
+        """
+        self.spec, self.body, self._world = spec, body, world
+        self.settings = dataclasses.replace(spec.settings, sensors={
+            each.name: _with_root(spec.settings.sensors.get(each.name) or each.kind.settings(),
+                                  body.model.root) for each in spec.sensors})
+        self._sensors: Dict[str, ScheduledSensor] = {}
+        self.missing: Dict[str, str] = {}
+        for each in spec.sensors:
+            self._mount(each, self.settings.sensors[each.name], drive)
+        self._find_enabled()
+        self._steps: Optional[int] = None       # the last ones that it was told of
+
+    def _mount(self, sensor: ConfiguredSensor, settings: Any, drive: Optional[Drive]) -> None:
+        """Add a sensor, but not when only its tag or the default names a link that is missing."""
+        kind, place = sensor.kind, sensor.place
+        link = place.link if place else kind.frame(settings)
+        of_file = kind.frame(kind.settings()), sensor.values.get(kind.name + '_frame')
+        if link and not self.body.has_frame(link) and (place or link in of_file):
+            self.missing[sensor.name] = link
+            return
+        mount = ''
+        if place:
+            mount = 'sensor ' + sensor.name
+            self.body.add_mount(mount, *place)
+        # a generator each: the noise of one sensor does not depend on whether another is read
+        noise = np.random.RandomState((self.settings.noise.seed, kind.noise_number)
+                                      + (sensor.number,) * bool(sensor.number))
+        self._sensors[sensor.name] = ScheduledSensor(
+            self.body.name, sensor.name, kind.name,
+            kind.period_steps(settings, self._world.step_s),
+            kind.make(Mount(self.body, self._world, noise, drive, mount, link,
+                            sensor.values.get(kind.name + '_noises', ())), settings), noise)
+        self._sensors[sensor.name].enabled = not kind.is_drawn
+
+    @property
+    def cameras(self) -> Dict[str, RobotCamera]:
+        """The cameras by the names of their sensors."""
+        return {name: scheduled.sensor for name, scheduled in self._sensors.items()
+                if isinstance(scheduled.sensor, RobotCamera)}
+
+    def set_enabled(self, sensor: str, enabled: bool) -> None:
+        """Enable or disable a sensor; does nothing when the robot does not have it.
+
+        Sensors do not influence how the robot moves. The noise of a reading is the same whether
+        the sensor was enabled before or not.
+        """
+        scheduled = self._sensors.get(sensor)
+        if scheduled is None or scheduled.enabled == enabled:
+            return
+        scheduled.enabled = enabled
+        if enabled:
+            scheduled.sensor.restart()
+        if self._steps is not None:
+            if enabled:
+                scheduled.skip_until(self._steps)
+            else:
+                scheduled.skipped_from = self._steps
+        self._find_enabled()
+
+    def _find_enabled(self) -> None:
+        self.enabled = [each for each in self._sensors.values() if each.enabled]
+
+    def before_step(self, steps: int) -> None:
+        """Count the readings that are not made from a step on: the first, or after a reset."""
+        if self._steps is None:
+            for scheduled in self._sensors.values():
+                scheduled.skipped_from = steps
+            self._steps = steps
+
+    def due(self, steps: int) -> List[ScheduledSensor]:
+        """Return the sensors that are to be read after `steps` steps."""
+        self._steps = steps
+        return [scheduled for scheduled in self.enabled if scheduled.is_due(steps)]
+
+    def next_event(self, steps: int) -> int:
+        """Return the first step after `steps` at which a sensor is read."""
+        return min((each.next_reading(steps) for each in self.enabled), default=sys.maxsize)
+
+    @property
+    def kinds(self) -> Set[str]:
+        """The kinds of sensors that the robot has, also of those that are disabled."""
+        return {each.kind for each in self._sensors.values()}
+
+    def reset(self) -> None:
+        """Let the sensors begin anew."""
+        for scheduled in self._sensors.values():
+            scheduled.sensor.restart()
+
+    def restart_noise(self) -> None:
+        """Let the noise of the sensors begin anew, as when time does."""
+        for scheduled in self._sensors.values():
+            scheduled.restart_noise()
+        self._steps = None
+
+    def notify_teleported(self) -> None:
+        """Call after the robot was moved from outside."""
+        for scheduled in self._sensors.values():
+            scheduled.sensor.notify_teleported()
+
+    def measure(self) -> Dict[str, Any]:
+        """Return what the rays of sensors hit now, by the names of the sensors."""
+        return {name: scheduled.sensor.read() for name, scheduled in self._sensors.items()
+                if isinstance(scheduled.sensor, RaySensor)}
+
+
+def _with_root(settings: Any, root: str) -> Any:
+    """Return the settings of a sensor with the root link for each empty frame."""
+    return dataclasses.replace(settings, **{
+        field.name: root for field in dataclasses.fields(settings)
+        if field.name.endswith('_frame') and not getattr(settings, field.name)})
 
 
 class SimulatedModel(ModelBodies):
@@ -28,41 +215,6 @@ class SimulatedModel(ModelBodies):
         super().__init__(name, trees, bodies)
         self.sensors: List[MountedSensors] = []
 
-    @property
-    def cameras(self) -> Dict[str, RobotCamera]:
-        """The cameras by the names of their sensors."""
-        return {name: camera for mounted in self.sensors
-                for name, camera in mounted.cameras.items()}
-
-    def set_sensor_enabled(self, sensor: str, enabled: bool) -> None:
-        """Enable or disable a sensor; see `MountedSensors.set_enabled`."""
-        for mounted in self.sensors:
-            mounted.set_enabled(sensor, enabled)
-
-    def before_step(self, steps: int) -> None:
-        """Do what is due after `steps` steps of the physics, before the next one."""
-        for mounted in self.sensors:
-            mounted.before_step(steps)
-
-    def next_event(self, steps: int) -> int:
-        """Return the first step after `steps` at which something is due."""
-        return min(mounted.next_event(steps) for mounted in self.sensors)
-
-    def due(self, steps: int) -> List[Tuple[str, ScheduledSensor]]:
-        """Return the sensors that are read after `steps` steps, each with the name of its body."""
-        return [(mounted.body.name, scheduled) for mounted in self.sensors
-                for scheduled in mounted.due(steps)]
-
-    def restart(self) -> None:
-        """Let the sensors begin anew, after a reset."""
-        for mounted in self.sensors:
-            mounted.reset()
-
-    def restart_noise(self) -> None:
-        """Let the noise of the sensors begin anew, as when time does."""
-        for mounted in self.sensors:
-            mounted.restart_noise()
-
     def notify_moved(self, bodies: Sequence[FramedBody]) -> None:
         for mounted in self.sensors:
             if mounted.body in bodies:
@@ -74,10 +226,12 @@ class Robot(SimulatedModel):
 
     Attributes:
         body: Body of the robot.
+        mounted: Its sensors.
         drive: Drive, also if the robot has none that is simulated.
         spec: Configuration from which the robot was made.
         settings: Settings of all parts, in which an empty frame is the root link.
         odometry: Settings of the odometry; the defaults for a robot without odometry.
+        drives_from: Step of the physics from which on its periods count.
         lift: How far the robot was moved upward, onto what it was in, when it was last placed.
     """
 
@@ -94,28 +248,18 @@ class Robot(SimulatedModel):
         self.body = RobotBody(spec.model, self.drive.motors, settings.spawn,
                               world.physics_client_id)
         super().__init__(self.body.name, [Tree(self.body.name, spec.model)], [self.body])
-        mounted = MountedSensors(spec, world, self.body, self.drive)
-        self.sensors = [mounted]
-        self.settings = mounted.settings
+        self.mounted = MountedSensors(spec, world, self.body, self.drive)
+        self.sensors = [self.mounted]
+        self.settings = self.mounted.settings
         self.odometry = cast(OdometrySettings,
                              self.settings.sensors.get('odometry') or OdometrySettings())
         self._lift()
         self._drive_steps = whole_steps('drive_period_s', settings.drive.drive_period_s,
                                         world.step_s)
-        self._steps = self._drives_from = 0
+        self.drives_from = 0
 
     def _lift(self) -> None:
         self.lift = self._world.lift(self.body)
-
-    @property
-    def missing_sensors(self) -> Dict[str, str]:
-        """The links that the robot does not have, by the names of the sensors left out."""
-        return self.sensors[0].missing
-
-    @property
-    def sensor_kinds(self) -> Set[str]:
-        """The kinds of sensors that the robot has, also of those that are disabled."""
-        return self.sensors[0].kinds
 
     def command(self, linear_x: float, angular_z: float, linear_y: float = 0.0) -> None:
         """Drive at linear_x m/s and angular_z rad/s until the next command.
@@ -133,17 +277,13 @@ class Robot(SimulatedModel):
         return spawn.x_pos, spawn.y_pos, spawn.yaw
 
     def before_step(self, steps: int) -> None:
-        super().before_step(steps)
-        if (steps - self._drives_from) % self._drive_steps == 0:
+        """Update the drive if that is due after `steps` steps of the physics."""
+        if (steps - self.drives_from) % self._drive_steps == 0:
             self.drive.update(self.body)
 
     def next_event(self, steps: int) -> int:
-        wait = self._drive_steps - (steps - self._drives_from) % self._drive_steps
-        return min(steps + wait, super().next_event(steps))
-
-    def due(self, steps: int) -> List[Tuple[str, ScheduledSensor]]:
-        self._steps = steps
-        return super().due(steps)
+        """Return the first step after `steps` at which the drive is updated."""
+        return steps + self._drive_steps - (steps - self.drives_from) % self._drive_steps
 
     def reset(self) -> None:
         """Move the robot back to its start, at rest and without a command."""
@@ -151,20 +291,12 @@ class Robot(SimulatedModel):
         super().reset()
         self._lift()
 
-    def restart(self) -> None:
-        super().restart()
-        self._drives_from = self._steps
-
-    def restart_noise(self) -> None:
-        super().restart_noise()
-        self._steps = self._drives_from = 0
-
     def set_start(self, spawn: SpawnSettings) -> None:
         """Start from another pose, also after a reset; moves the robot there."""
         self.settings = dataclasses.replace(self.settings, spawn=spawn)
         self.body.spawn = spawn
         self.reset()
-        self.restart()
+        self.mounted.reset()
 
     def move_to(self, x: float, y: float, yaw: float) -> None:
         """Move the robot to x, y in m and yaw in rad, at rest and without a command.

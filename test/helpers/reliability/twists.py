@@ -60,7 +60,7 @@ class _Check:
             return
         expected = _STRUCT.unpack(data[:_STRUCT.size])
         try:
-            linear_x, angular_z = twist_msgs.from_msg(msg)
+            linear_x, angular_z, _ = twist_msgs.from_msg(msg)
         except TwistError as error:
             assert not all(map(math.isfinite, expected)) and '\n' not in str(error)
             self.refused += 1

@@ -4,7 +4,7 @@ import genpy.dynamic
 import numpy as np
 import pytest
 
-from img_recog.conversions import contact_msgs
+from img_recog.conversions import robot_msgs
 from img_recog.simulation.sensors.contact_sensor import ContactSettings, Touch
 from img_recog_helpers.gazebo_messages import DEFINITIONS
 
@@ -17,7 +17,7 @@ def messages(monkeypatch):
         for name, definition in DEFINITIONS.items() if name.endswith('.msg'))
     made = genpy.dynamic.generate_dynamic('gazebo_msgs/ContactsState', text)
     for name in ('ContactsState', 'ContactState'):
-        monkeypatch.setattr(contact_msgs, name, made['gazebo_msgs/' + name])
+        monkeypatch.setattr(robot_msgs, name, made['gazebo_msgs/' + name])
 
 
 def test_contacts_and_back():
@@ -27,7 +27,7 @@ def test_contacts_and_back():
               np.array([(5.0, 0.0, 0.0), (0.0, 6.0, 1.0)]), np.array((1.0, 2.0, 2.0))),
         Touch('robot::bumper', 'post::link', points[:1], points[1:], np.array([0.5]),
               np.array([(0.0, 0.0, 7.0)]), np.zeros(3))]
-    msg = contact_msgs.to_msg(touches, ContactSettings('front'), genpy.Time(3, 4))
+    msg = robot_msgs.contacts_to_msg(touches, ContactSettings('front'), genpy.Time(3, 4))
     assert (msg.header.frame_id, msg.header.stamp) == ('front', genpy.Time(3, 4))
     first, second = msg.states
     assert (first.collision1_name, second.collision2_name) == (
@@ -38,8 +38,8 @@ def test_contacts_and_back():
     total = first.total_wrench
     assert (total.force.x, total.force.y, total.force.z) == (5.0, 6.0, 1.0)
     assert (total.torque.x, total.torque.y, total.torque.z) == (-12.0, 5.0, 0.0)
-    for back, touch in zip(contact_msgs.from_msg(msg), touches):
+    for back, touch in zip(robot_msgs.contacts_from_msg(msg), touches):
         assert back[:2] == touch[:2] and not back.origin.any()
         for got, wanted in zip(back[2:6], touch[2:6]):
             assert got.tolist() == wanted.tolist()
-    assert contact_msgs.to_msg([], ContactSettings(), genpy.Time()).states == []
+    assert robot_msgs.contacts_to_msg([], ContactSettings(), genpy.Time()).states == []

@@ -8,7 +8,7 @@ from geometry_msgs.msg import Twist, TwistStamped
 from std_msgs.msg import Header
 
 from img_recog.camera.calibration import Calibration
-from img_recog.conversions import camera_info_msgs, robot_msgs, twist_msgs
+from img_recog.conversions import image_msgs, robot_msgs, twist_msgs
 from img_recog.simulation.physics.body import Motion
 from img_recog.simulation.physics.robot import JointStates
 from img_recog.simulation.sensors.imu import ImuReading, ImuSettings
@@ -27,10 +27,10 @@ READING = ImuReading((0.0, 0.0, 0.6, 0.8), (1.0, 2.0, 3.0), (4.0, 5.0, 6.0))
 
 def test_twist_round_trip():
     msg = twist_msgs.to_msg(0.3, -0.4)
-    assert twist_msgs.from_msg(msg) == (0.3, -0.4)
+    assert twist_msgs.from_msg(msg) == (0.3, -0.4, 0.0)
     msg.linear.y = 0.2
-    assert twist_msgs.planar_from_msg(msg) == (0.3, -0.4, 0.2)
-    assert twist_msgs.planar_from_msg(TwistStamped(twist=msg)) == (0.3, -0.4, 0.2)
+    assert twist_msgs.from_msg(msg) == (0.3, -0.4, 0.2)
+    assert twist_msgs.from_msg(TwistStamped(twist=msg)) == (0.3, -0.4, 0.2)
     msg.linear.x = msg.linear.y = msg.angular.z = 0.0
     assert msg == Twist()
 
@@ -44,7 +44,7 @@ def test_twist_that_is_not_finite_is_refused_by_name(part, axis, value):
     with pytest.raises(twist_msgs.TwistError, match='{}.{}={}'.format(part, axis, value)):
         twist_msgs.from_msg(msg)
     with pytest.raises(twist_msgs.TwistError):
-        twist_msgs.planar_from_msg(TwistStamped(twist=msg))
+        twist_msgs.from_msg(TwistStamped(twist=msg))
 
 
 def test_odometry():
@@ -140,13 +140,13 @@ def test_camera_info_round_trip():
     given = Calibration('cam', 640, 480, 'plumb_bob', (0.1, 0.2, 0.0, 0.0, 0.3),
                         tuple(map(float, range(9))), tuple(map(float, range(9, 18))),
                         tuple(map(float, range(18, 30))))
-    msg = camera_info_msgs.to_msg(given, 1, 1, Header(stamp=STAMP, frame_id='cam'))
+    msg = image_msgs.info_to_msg(given, 1, 1, Header(stamp=STAMP, frame_id='cam'))
     assert (msg.width, msg.height) == (640, 480)
     assert (msg.header.stamp, msg.header.frame_id) == (STAMP, 'cam')
-    assert camera_info_msgs.from_msg(msg, 'cam') == given
+    assert image_msgs.info_from_msg(msg, 'cam') == given
 
 
 def test_camera_info_without_a_calibration_has_the_size_alone():
-    msg = camera_info_msgs.to_msg(None, 320, 240, Header())
+    msg = image_msgs.info_to_msg(None, 320, 240, Header())
     assert (msg.width, msg.height, msg.distortion_model, len(msg.D)) == (320, 240, '', 0)
     assert set(msg.K) | set(msg.R) | set(msg.P) == {0.0}

@@ -4,9 +4,8 @@ import dataclasses
 import pytest
 
 from img_recog.conversions.topic_checks import check_topics
-from img_recog.simulation.names import Names
 from img_recog.simulation.sensors.odometry import OdometrySettings
-from img_recog.simulation.simulation_settings import CameraSettings, DriveSettings
+from img_recog.simulation.simulation_settings import CameraSettings, DriveSettings, Names
 from img_recog_helpers import robots
 from img_recog_helpers.refusals import refusal
 from img_recog_helpers.robots import burger, read

@@ -5,7 +5,6 @@ import pytest
 from img_recog.formats import world_file
 from img_recog.model import DIRECTIONAL, POINT, SUN
 from img_recog.rotations import IDENTITY
-from img_recog.simulation.pictures import visual_scene
 from img_recog.simulation.pictures.visual_scene import Parts
 from img_recog_helpers.parsed import given
 from img_recog_helpers.robots import assemble, burger
@@ -44,7 +43,7 @@ def test_a_light_of_a_link_moves_with_it(tmp_path):
     tag = '<gazebo reference="base_scan">{}</gazebo></robot>'.format(LAMP.format('b'))
     built = assemble(str(path), urdf=burger().replace('</robot>', tag))
     parts = Parts(built.simulator)
-    found = visual_scene.read(built.scene, parts).lights
+    found = parts.scene().lights
     names = {number: name for each in parts.numbers() for name, number in each.items()}
     places = {names[part]: each.pose.translation for part, each in found if part >= 0}
     assert places['l'].tolist() == [1, 0, 2]

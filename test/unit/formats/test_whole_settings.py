@@ -9,7 +9,6 @@ from img_recog.report import Report
 from img_recog.settings import setting_fields
 from img_recog.simulation.configured_model import settings_in_tag
 from img_recog.simulation.sensors import in_files
-from img_recog.simulation.sensors.sensor import sensors_of
 from img_recog_helpers import expected, printed
 
 
@@ -17,12 +16,11 @@ def lines_of(tags, step_s):
     root = urdf.root_of('<robot name="r">{}</robot>'.format(tags))
     report = Report()
     drive = drive_tags.find(root, step_s, report)
-    values, sensors = in_files.read(
+    values, in_tags = in_files.read(
         [Tag(tag.get('reference', ''), tag) for tag in root.findall('gazebo')], step_s, SENSORS,
         report, drive and drive.tags)
     if drive:
         yield 'drive: ' + printed.text(drive.values)
-    in_tags = sensors_of(SENSORS, sensors)
     of_sensors = {name for sensor in in_tags for name in sensor.values}
     yield from ('{}: {}'.format(name, printed.text(value)) for name, value in values.items()
                 if name not in of_sensors)
@@ -30,7 +28,7 @@ def lines_of(tags, step_s):
         if sensor.place or sensor.values:
             lens = getattr(settings_in_tag(sensor), 'lens', None)
             yield '{}: {}{}'.format(
-                sensor.name, ', '.join(printed.fields(sensor._replace(kind=None), 'number')[2:]),
+                sensor.name, ', '.join(printed.fields(sensor._replace(kind=None), 'number')[1:]),
                 ', lens ({})'.format(printed.text(lens)) if lens else '')
     yield from printed.findings(report)
 

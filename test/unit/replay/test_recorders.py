@@ -81,7 +81,7 @@ def test_bag():
     found = messages(data)
     assert sorted(found) == ['/cmd_vel', '/color_detection', '/joint_states', '/odom', '/tf']
     assert [(stamp - START_NS, *twist_msgs.from_msg(msg)) for stamp, msg in found['/cmd_vel']] == [
-        (time_ns, linear_x, 0.0) for time_ns, linear_x, _ in log.commands]
+        (time_ns, linear_x, 0.0, 0.0) for time_ns, linear_x, _ in log.commands]
     assert len(found['/color_detection']) == len(log.frames) == len(PICTURE)
     for (stamp, msg), seen in zip(found['/color_detection'], log.frames):
         assert stamp == seen.frame.stamp_ns == msg.header.stamp.to_nsec()

@@ -74,9 +74,9 @@ def test_simulator_and_scene_of_the_world_and_the_robot():
     robot, = built.simulator.robots
     assert robot.body.motion().position == pytest.approx([-2.0, -0.5, 0.0], abs=1e-6)
     assert [body.name for body in built.simulator.world.scenery] == ['turtlebot3_world']
-    assert [tree.name for tree in built.scene.trees] == [
+    assert [tree.name for tree in built.simulator.world.trees] == [
         'turtlebot3_world', 'turtlebot3_burger']
-    assert built.scene.world.name == 'turtlebot3_world'
+    assert built.simulator.world.file.name == 'turtlebot3_world'
     assert built.report.lines() == []
 
 
@@ -87,8 +87,8 @@ def test_sensors_without_a_link_are_warned_of_unless_unused():
     assert assemble(urdf=urdf, unused_sensors=unused).report.lines() == []
     simulator = assemble(urdf=urdf).simulator
     robot, = simulator.robots
-    assert robot.missing_sensors == {'imu': 'torso'} and simulator.advance(400) == []
-    robot.set_sensor_enabled('imu', True)
+    assert robot.mounted.missing == {'imu': 'torso'} and simulator.advance(400) == []
+    robot.mounted.set_enabled('imu', True)
     # those that have their links are disabled
     readings = assemble(unused_sensors=unused).simulator.advance(400)
     assert {reading.sensor for reading in readings} == {'odometry', 'joint_states'}

@@ -3,7 +3,6 @@ import math
 
 import pytest
 
-from img_recog.simulation.model_forces import ModelForces
 from img_recog.simulation.models import Models
 from img_recog_helpers import sdf
 from img_recog_helpers.refusals import refusal
@@ -32,11 +31,6 @@ def models(sim):
     return Models(sim)
 
 
-@pytest.fixture
-def forces(sim, models):
-    return ModelForces(sim, models)
-
-
 def close(*values):
     return pytest.approx(values, rel=1e-3, abs=1e-4)
 
@@ -46,9 +40,9 @@ def rate(models, joint):
     return body.joint_state(body.first_axes[name])[1]
 
 
-def test_the_last_wrench_on_a_link_acts_at_its_center_of_mass(sim, models, forces):
-    forces.apply_wrench('box::l', (1.0, 0.0, 0.0), ZERO, 0.0, 0.5)
-    forces.apply_wrench('box::l', (2.0, 0.0, 0.0), (0.0, 0.0, 0.1), 0.0, 0.5)
+def test_the_last_wrench_on_a_link_acts_at_its_center_of_mass(sim, models):
+    models.apply_wrench('box::l', (1.0, 0.0, 0.0), ZERO, 0.0, 0.5)
+    models.apply_wrench('box::l', (2.0, 0.0, 0.0), (0.0, 0.0, 0.1), 0.0, 0.5)
     sim.advance(500)
     state = models.state('box::l')
     # of the frame of the link, 0.1 m from the center
@@ -61,10 +55,10 @@ def test_the_last_wrench_on_a_link_acts_at_its_center_of_mass(sim, models, force
 @pytest.mark.parametrize('joint, efforts, expected', [
     ('free_joint', (0.1, 0.1), 0.2), ('weak::weak_joint', (1.0,), 0.3),
     ('slow_joint', (1.0,), 0.2), ('slow_joint', (-1.0,), -0.2)])
-def test_efforts_add_up_within_the_limits_of_the_joint(sim, models, forces, joint, efforts,
+def test_efforts_add_up_within_the_limits_of_the_joint(sim, models, joint, efforts,
                                                        expected):
     for effort in efforts:
-        forces.apply_effort(joint, effort, 0.0, 0.5)
+        models.apply_effort(joint, effort, 0.0, 0.5)
     sim.advance(1000)
     assert rate(models, joint) == pytest.approx(expected, rel=0.02)
 
@@ -78,8 +72,8 @@ def test_efforts_add_up_within_the_limits_of_the_joint(sim, models, forces, join
     ('l', ZERO, (0.0, 1.0, 0.0), (0.0, 0.0005), 0.0),
     # from the box it is at (-5, -3, -1), turned back by a quarter
     ('free', ZERO, (1.0, 0.0, 0.0), (0.01, -0.0005), 0.1)])
-def test_a_force_is_given_in_a_frame(sim, models, forces, frame, point, force, linear, turn):
-    forces.apply_wrench('box::l', force, ZERO, 0.0, 0.001, point, frame)
+def test_a_force_is_given_in_a_frame(sim, models, frame, point, force, linear, turn):
+    models.apply_wrench('box::l', force, ZERO, 0.0, 0.001, point, frame)
     sim.advance(2)
     state = models.state('box::l')
     assert state.angular[2] == pytest.approx(turn, abs=1e-6)
@@ -90,9 +84,9 @@ def test_a_force_is_given_in_a_frame(sim, models, forces, frame, point, force, l
 @pytest.mark.parametrize('start_s, duration_s, rates', [
     (0.0, 0.05, (0.05, 0.05)), (0.027, 0.05, (0.03, 0.05)), (0.057, 0.05, (0.0, 0.05)),
     (0.0, -1.0, (0.05, 0.1)), (0.0, 0.0, (0.0, 0.0)), (0.0, 1e-9, (0.001, 0.001))])
-def test_it_acts_from_a_start_for_a_duration(sim, models, forces, start_s, duration_s, rates):
+def test_it_acts_from_a_start_for_a_duration(sim, models, start_s, duration_s, rates):
     sim.advance(7)
-    forces.apply_effort('free_joint', 0.5, start_s, duration_s)
+    models.apply_effort('free_joint', 0.5, start_s, duration_s)
     found = []
     for _ in rates:
         sim.advance(50)
@@ -101,12 +95,12 @@ def test_it_acts_from_a_start_for_a_duration(sim, models, forces, start_s, durat
 
 
 @pytest.mark.parametrize('end', ['clear', 'clear scoped', 'reset', 'reset simulation', 'remove'])
-def test_what_acts_without_end_is_ended(sim, models, forces, end):
-    forces.apply_effort('free_joint', 1.0, 0.0, -1.0)
-    forces.apply_wrench('free::arm', (1.0, 0.0, 0.0), ZERO, 1e6, -1.0)
+def test_what_acts_without_end_is_ended(sim, models, end):
+    models.apply_effort('free_joint', 1.0, 0.0, -1.0)
+    models.apply_wrench('free::arm', (1.0, 0.0, 0.0), ZERO, 1e6, -1.0)
     sim.advance(10)
-    {'clear': lambda: forces.clear_efforts('free_joint'),
-     'clear scoped': lambda: forces.clear_efforts('free::free_joint'),
+    {'clear': lambda: models.clear_efforts('free_joint'),
+     'clear scoped': lambda: models.clear_efforts('free::free_joint'),
      'reset': sim.reset_world, 'reset simulation': sim.reset_simulation,
      'remove': lambda: models.remove('free')}[end]()
     if 'clear' in end:
@@ -114,23 +108,23 @@ def test_what_acts_without_end_is_ended(sim, models, forces, end):
         before = rate(models, 'free_joint')
         sim.advance(10)
         assert rate(models, 'free_joint') == pytest.approx(before, rel=1e-6)
-        forces.clear_wrenches('free::arm')
+        models.clear_wrenches('free::arm')
     assert not sim.world.pushes
     sim.advance(10)
 
 
 @pytest.mark.parametrize('call, problem', [
-    (lambda forces: forces.apply_wrench('box', ZERO, ZERO, 0, 1),
+    (lambda models: models.apply_wrench('box', ZERO, ZERO, 0, 1),
      "model box has no link '' (links: l)"),
-    (lambda forces: forces.apply_wrench('cat::l', ZERO, ZERO, 0, 1), "no model 'cat' (models: "),
-    (lambda forces: forces.apply_wrench('box::l', ZERO, ZERO, 0, 1, frame='cat'),
+    (lambda models: models.apply_wrench('cat::l', ZERO, ZERO, 0, 1), "no model 'cat' (models: "),
+    (lambda models: models.apply_wrench('box::l', ZERO, ZERO, 0, 1, frame='cat'),
      "no model 'cat' (models: "),
-    (lambda forces: forces.apply_wrench('box::l', (math.nan, 0, 0), ZERO, 0, 1), 'wrench: got '),
-    (lambda forces: forces.apply_effort('fix', 1.0, 0, 1),
+    (lambda models: models.apply_wrench('box::l', (math.nan, 0, 0), ZERO, 0, 1), 'wrench: got '),
+    (lambda models: models.apply_effort('fix', 1.0, 0, 1),
      "no movable joint 'fix' (movable joints: free::free_joint, "),
-    (lambda forces: forces.apply_effort('free_joint', 1e9, 0, 1), 'effort: got ')])
-def test_what_cannot_be_is_refused(forces, sim, call, problem):
-    assert refusal(call, forces).startswith(problem)
+    (lambda models: models.apply_effort('free_joint', 1e9, 0, 1), 'effort: got ')])
+def test_what_cannot_be_is_refused(models, sim, call, problem):
+    assert refusal(call, models).startswith(problem)
     assert not sim.world.pushes
 
 

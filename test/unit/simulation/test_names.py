@@ -1,6 +1,5 @@
 """The names of the topics and frames of one of several robots."""
-from img_recog.simulation.names import Names
-from img_recog.simulation.simulation_settings import CameraSettings
+from img_recog.simulation.simulation_settings import CameraSettings, Names
 
 CAMERA = CameraSettings(camera_frame='camera_link', camera_image_topic='eye/image',
                         camera_info_topic='/eye/info')

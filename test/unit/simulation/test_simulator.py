@@ -78,7 +78,7 @@ def drive_with(switches, cut=10):
     for quarter, command in enumerate(((0.2, 0.0), (10.0, 0.4), (-10.0, 0.0), (0.0, 2.0))):
         robot.command(*command)
         for sensor, on in switches.get(quarter, {}).items():
-            robot.set_sensor_enabled(sensor, on)
+            robot.mounted.set_enabled(sensor, on)
         for _ in range(500 // cut):
             readings.extend(sim.advance(cut))
             motion = robot.body.motion()
@@ -129,11 +129,11 @@ def test_noise_of_a_reading_does_not_depend_on_when_the_sensor_was_enabled(quart
 def test_imu_that_is_enabled_again_measures_no_acceleration_of_what_it_missed():
     sim = simulator()
     sim.advance(1000)
-    sim.robots[0].set_sensor_enabled('imu', False)
+    sim.robots[0].mounted.set_enabled('imu', False)
     sim.robots[0].command(0.5, 0.0)
     sim.advance(1000)
     assert sim.robots[0].body.motion().linear[0] > 0.4
-    sim.robots[0].set_sensor_enabled('imu', True)
+    sim.robots[0].mounted.set_enabled('imu', True)
     values = [value for _, value in seen_by('imu', sim.advance(20))]
     assert len(values) == 4
     assert np.abs([value.linear_acceleration[0] for value in values]).max() < 1.0

@@ -85,9 +85,9 @@ def test_after_a_reset_all_moves_and_is_measured_as_before():
     first = drive()
     sim.reset_simulation()
     assert drive() == first
-    sim.robots[0].set_sensor_enabled('imu', False)
+    sim.robots[0].mounted.set_enabled('imu', False)
     sim.advance(107)        # at another phase of the drive and of the sensors
-    sim.robots[0].set_sensor_enabled('imu', True)
+    sim.robots[0].mounted.set_enabled('imu', True)
     sim.reset_simulation()
     assert drive() == first
     sim.reset_world()       # only the noise goes on, as it does in Gazebo
@@ -113,11 +113,11 @@ def test_noise_after_a_reset_does_not_depend_on_whether_the_sensor_was_enabled_b
     def measured(is_enabled):
         sim = simulator()
         sim.advance(100)
-        sim.robots[0].set_sensor_enabled('imu', is_enabled)
+        sim.robots[0].mounted.set_enabled('imu', is_enabled)
         sim.advance(200)
         sim.reset_simulation()
         sim.advance(200)
-        sim.robots[0].set_sensor_enabled('imu', True)
+        sim.robots[0].mounted.set_enabled('imu', True)
         return [each.value.angular_velocity for each in sim.advance(20)
                 if each.sensor == 'imu']
     assert measured(False) == measured(True) and len(measured(True)) == 4

@@ -12,7 +12,7 @@ from sensor_msgs.msg import CameraInfo, PointCloud2
 from std_msgs.msg import Header
 
 from img_recog import rotations
-from img_recog.conversions import camera_info_msgs, depth_msgs, robot_msgs
+from img_recog.conversions import image_msgs, robot_cameras, robot_msgs
 from img_recog.conversions.robot_cameras import DrawnCamera
 from img_recog.nodes.compressed_images import CompressedImages, publisher
 from img_recog.rendering import rays
@@ -108,21 +108,22 @@ class CameraTopics:
 
     def _publish_depths(self, depth: np.ndarray, image: np.ndarray, header: Header) -> None:
         settings = self.settings
-        depth = depth_msgs.within(depth, (settings.camera_points_min, settings.camera_points_max))
+        depth = robot_cameras.within(
+            depth, (settings.camera_points_min, settings.camera_points_max))
         if self._depths is not None:
             encoding = settings.camera_depth_encoding
-            self._depths.publish(depth_msgs.to_bytes(depth, encoding), encoding, header)
+            self._depths.publish(robot_cameras.depths_to_bytes(depth, encoding), encoding, header)
         if self._points is not None and self._is_used(self._points):
             self._points.publish_data(
-                partial(depth_msgs.draw_points, depths=depth, image=image,
+                partial(robot_cameras.draw_points, depths=depth, image=image,
                         slopes=rays.slopes(self.camera)),
-                (*depth.shape, depth_msgs.POINT_BYTES),
-                depth_msgs.cloud_without_points(depth, header))
+                (*depth.shape, robot_cameras.POINT_BYTES),
+                robot_cameras.cloud_without_points(depth, header))
 
     def info(self, header: Header) -> CameraInfo:
         """Return the intrinsic parameters; all are zero if no model can say what the lens does."""
-        return camera_info_msgs.to_msg(self._drawn.calibration, self.camera.width,
-                                       self.camera.height, header)
+        return image_msgs.info_to_msg(self._drawn.calibration, self.camera.width,
+                                      self.camera.height, header)
 
     def close(self) -> None:
         """End the topics."""

@@ -6,7 +6,7 @@ import rospy
 from img_recog.formats import drive_controllers
 from img_recog.formats.drive_controllers import Controllers
 from img_recog.ros import parameters
-from img_recog.simulation.names import Names
+from img_recog.simulation.simulation_settings import Names
 
 
 def read(names: Names, namespace: str) -> Controllers:

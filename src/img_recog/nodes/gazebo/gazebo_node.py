@@ -120,7 +120,7 @@ class Gazebo:
             self._topics.connect(robot)
             frame, origin = robot.odometry.odom_frame, PlanePose(*robot.odometry_origin)
             if self._lockstep is not None:
-                self._lockstep.check(robot.sensor_kinds)
+                self._lockstep.check(robot.mounted.kinds)
         for model in of_world:
             self._topics.connect_of_file(model)
         if self._lockstep is not None:

@@ -14,12 +14,10 @@ from img_recog.nodes.gazebo.lockstep import Lockstep
 from img_recog.nodes.gazebo.transforms import StaticTransforms
 from img_recog.nodes.gazebo.view_topic import ViewTopic
 from img_recog.rendering.server import Picture, Shot
-from img_recog.simulation.mounted_sensors import MountedSensors, Reading
-from img_recog.simulation.pictures import visual_scene
-from img_recog.simulation.pictures.scene import poses_of, scene_of
+from img_recog.simulation.simulated_model import MountedSensors, Reading
 from img_recog.simulation.pictures.view import above
 from img_recog.simulation.pictures.visual_scene import Parts
-from img_recog.simulation.pictures.window import Window
+from img_recog.simulation.pictures.window import Window, poses_of, scene_of
 from img_recog.simulation.sensors import robot_camera
 from img_recog.simulation.simulation_settings import CameraSettings, ViewSettings
 from img_recog.simulation.simulator import Simulator
@@ -47,11 +45,9 @@ class Images:
         self._revision = simulator.world.revision
         self._parts = Parts(simulator)
         self._view = ViewTopic(view, above(simulator.world))
-        scene = scene_of(simulator)
         self._window: Optional[Window] = (
-            Window(scene, above(simulator.world)) if view.gui else None)
-        self._process = make_process(visual_scene.read(scene, self._parts),
-                                     self._parts.poses(), [self._view.camera],
+            Window(scene_of(simulator), above(simulator.world)) if view.gui else None)
+        self._process = make_process(self._parts.scene(), self._parts.poses(), [self._view.camera],
                                      _NICENESS if lockstep is None else 0)
         # by the names of robot and sensor
         self._cameras: Dict[Tuple[str, str], Tuple[MountedSensors, CameraTopics]] = {}
@@ -115,11 +111,10 @@ class Images:
         if self._revision == self._simulator.world.revision:
             return False
         self._revision = self._simulator.world.revision
-        scene = scene_of(self._simulator)
         self._parts.refresh()
-        self._process.set_scene(visual_scene.read(scene, self._parts), self._parts.poses())
+        self._process.set_scene(self._parts.scene(), self._parts.poses())
         if self._window is not None:
-            self._window.set_scene(scene)
+            self._window.set_scene(scene_of(self._simulator))
         return True
 
     def enable_cameras(self) -> None:

@@ -10,10 +10,8 @@ from img_recog.model import NO_INERTIA
 from img_recog.nodes.gazebo.model_services import (MISSING, Response, frame_of, pose_of, serve,
                                                    twist_of, vector_of)
 from img_recog.nodes.gazebo.physics_services import ServiceCalls
-from img_recog.simulation.model_forces import ModelForces
-from img_recog.simulation.models import LINK_SEPARATOR, Models
+from img_recog.simulation.models import LINK_SEPARATOR, Models, State, in_world
 from img_recog.simulation.simulator import Simulator
-from img_recog.simulation.states import State, in_world
 
 if not MISSING:
     from gazebo_msgs.msg import LinkState, LinkStates
@@ -31,7 +29,6 @@ class LinkServices:
     def __init__(self, simulator: Simulator, models: Models, calls: ServiceCalls):
         """Advertise."""
         self._step_s, self._models, self._calls = simulator.world.step_s, models, calls
-        self._forces = ModelForces(simulator, models)
         self._states = rospy.Publisher('~link_states', LinkStates, queue_size=10)
         serve({'get_link_state': (GetLinkState, self._get_state),
                'get_link_properties': (GetLinkProperties, self._describe_link),
@@ -42,8 +39,8 @@ class LinkServices:
                'apply_joint_effort': (ApplyJointEffort, self._apply_effort)})
         # their responses are empty
         for name, kind, field, clear in (
-                ('clear_body_wrenches', BodyRequest, 'body_name', self._forces.clear_wrenches),
-                ('clear_joint_forces', JointRequest, 'joint_name', self._forces.clear_efforts)):
+                ('clear_body_wrenches', BodyRequest, 'body_name', self._models.clear_wrenches),
+                ('clear_joint_forces', JointRequest, 'joint_name', self._models.clear_efforts)):
             rospy.Service('~' + name, kind, partial(self._clear, clear, field))
 
     def update(self) -> None:
@@ -86,7 +83,7 @@ class LinkServices:
         return {'position': [position], 'rate': [rate]}
 
     def _describe_model(self, request: Any) -> Response:
-        bodies = self._calls.call(lambda: self._models.bodies_of(request.model_name))
+        bodies = self._calls.call(lambda: self._models.model(request.model_name).bodies)
         joints = [name for body in bodies for name in (*body.model.held, *body.first_axes)]
         return {'body_names': [link for body in bodies for link in body.link_names],
                 'joint_names': joints,
@@ -103,14 +100,14 @@ class LinkServices:
 
     def _apply_wrench(self, request: Any) -> Response:
         wrench = request.wrench
-        self._calls.call(lambda: self._forces.apply_wrench(
+        self._calls.call(lambda: self._models.apply_wrench(
             request.body_name, vector_of(wrench.force), vector_of(wrench.torque),
             request.start_time.to_sec(), request.duration.to_sec(),
             vector_of(request.reference_point), frame_of(request.reference_frame)))
         return self._lasting(request)
 
     def _apply_effort(self, request: Any) -> Response:
-        self._calls.call(lambda: self._forces.apply_effort(
+        self._calls.call(lambda: self._models.apply_effort(
             request.joint_name, request.effort, request.start_time.to_sec(),
             request.duration.to_sec()))
         return self._lasting(request)

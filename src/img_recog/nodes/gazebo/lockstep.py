@@ -6,7 +6,7 @@ from typing import Any, Callable, Collection, Dict, List, Mapping, Optional, Seq
 
 import rospy
 
-from img_recog.conversions import headers, robot_msgs
+from img_recog.conversions import robot_msgs
 from img_recog.errors import SimulationError, UserError
 from img_recog.nodes.gazebo.answering_nodes import AnsweringNodes
 from img_recog.nodes.gazebo.lockstep_settings import END, KINDS, LockstepSettings
@@ -103,8 +103,8 @@ class Lockstep:
                     name, rospy.AnyMsg, partial(self._receive_any, name), _BUFFER_BYTES)
 
     def _receive_any(self, topic: str, msg: rospy.AnyMsg, header: Mapping[str, str]) -> None:
-        stamp = headers.stamp_in(msg._buff, header.get('type', ''),
-                                 header.get('message_definition', ''))
+        stamp = robot_msgs.stamp_in(msg._buff, header.get('type', ''),
+                                    header.get('message_definition', ''))
         self._receive(topic, stamp, header.get('callerid', ''))
 
     def _receive(self, topic: str, stamp: Optional[rospy.Time], node: str) -> None:

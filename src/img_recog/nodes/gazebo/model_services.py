@@ -22,11 +22,10 @@ from img_recog.nodes.gazebo.robot_reader import RobotReader
 from img_recog.ros.log.throttle import ThrottledWarning
 from img_recog.rotations import Transform
 from img_recog.report import Report
-from img_recog.simulation.models import LINK_SEPARATOR, WORLD, Models
+from img_recog.simulation.models import LINK_SEPARATOR, WORLD, Models, State, check
 from img_recog.simulation.pacing import Pace
 from img_recog.simulation.simulation_settings import SpawnSettings
 from img_recog.simulation.simulator import Simulator
-from img_recog.simulation.states import State, check
 
 try:
     from gazebo_msgs.msg import LinkState, ModelState, ModelStates

@@ -24,10 +24,10 @@ from img_recog.ros.transport.direct_publisher import DirectPublisher
 from img_recog.simulation import assembly
 from img_recog.simulation.configured_model import ConfiguredModel
 from img_recog.simulation.models import Models
-from img_recog.simulation.mounted_sensors import MountedSensors, Reading
 from img_recog.simulation.sensors.motion_state import MotionState
 from img_recog.simulation.sensors.sensor import SensorKind
-from img_recog.simulation.simulated_model import Robot, SimulatedModel
+from img_recog.simulation.simulated_model import (MountedSensors, Reading, Robot,
+                                                  SimulatedModel)
 from img_recog.simulation.simulator import Simulator
 
 WORLD_FRAME = 'world'
@@ -146,7 +146,7 @@ class RobotTopics(ModelTopics):
     def _keep_command(self, msg: Union[Twist, TwistStamped]) -> None:
         try:
             # checked here, so that a bad command does not replace a good one
-            replaced = self._commands.put(twist_msgs.planar_from_msg(msg))
+            replaced = self._commands.put(twist_msgs.from_msg(msg))
         except twist_msgs.TwistError as error:
             self._counts.refused.add(error)
             self._warn('ignored a message on %s: %s', self._command_topic, error)
@@ -272,8 +272,7 @@ class WorldTopics:
 
     def add_sensors(self, model: SimulatedModel) -> None:
         """Add the sensors that the file of a model has, with their topics."""
-        world = self._simulator.world
-        assembly.add_sensors(world, model, SENSORS, world.report)
+        assembly.add_sensors(self._simulator.world, model, SENSORS)
         self.connect_of_file(model)
 
     def _check_namespace(self, spec: ConfiguredModel) -> None:

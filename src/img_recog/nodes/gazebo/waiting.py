@@ -9,7 +9,7 @@ from img_recog.nodes.gazebo.lockstep import Lockstep
 from img_recog.nodes.gazebo.model_topics import WorldTopics
 from img_recog.nodes.gazebo.standing_report import StandingReport
 from img_recog.simulation.simulator import Simulator
-from img_recog.simulation.mounted_sensors import Reading
+from img_recog.simulation.simulated_model import Reading
 from img_recog.simulation.sensors.robot_camera import CAMERA
 
 _POLL_S = 0.0001

@@ -13,7 +13,7 @@ from img_recog import files
 from img_recog.camera import calibration
 from img_recog.camera.calibration import Calibration
 from img_recog.camera.usb_cam_settings import UsbCamSettings
-from img_recog.conversions import camera_info_msgs
+from img_recog.conversions import image_msgs
 from img_recog.ros import parameters
 from img_recog.settings import SettingError
 
@@ -66,10 +66,10 @@ class CameraCalibration:
     def to_msg(self, header: Header) -> CameraInfo:
         """Return the message for images of the current size; call `set_image_size` first."""
         width, height = self._size or (0, 0)
-        return camera_info_msgs.to_msg(self._current, width, height, header)
+        return image_msgs.info_to_msg(self._current, width, height, header)
 
     def _set_camera_info(self, request: SetCameraInfoRequest) -> SetCameraInfoResponse:
-        given = camera_info_msgs.from_msg(request.camera_info, self._name)
+        given = image_msgs.info_from_msg(request.camera_info, self._name)
         size = self._size or self._expected_size
         try:
             calibration.check(given)

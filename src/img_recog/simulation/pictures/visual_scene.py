@@ -6,7 +6,6 @@ import pybullet
 
 from img_recog.model import Visual, VisualScene
 from img_recog.simulation.physics.body import Body
-from img_recog.simulation.pictures.scene import Scene
 from img_recog.simulation.simulator import Simulator
 
 
@@ -44,18 +43,18 @@ class Parts:
         return [{name: number for number, name in enumerate(body.link_indices, rows.start)}
                 for body, rows in zip(self._bodies, self._rows)]
 
-
-def read(scene: Scene, parts: Parts) -> VisualScene:
-    """Return what there is to draw."""
-    world = scene.world
-    links = [(numbers[link.name], link) for tree, numbers in zip(scene.trees, parts.numbers())
-             for link in tree.model.links]
-    visuals = tuple(Visual(number, look.shape, look.pose.matrix(), look.material,
-                           look.prefers_file, look.opacity)
-                    for number, link in links for look in link.looks)
-    lights = [(number, light) for number, link in links for light in link.lights]
-    return VisualScene(visuals, parts.moving, (*((-1, light) for light in world.lights), *lights),
-                       world.surroundings, world.has_floor)
+    def scene(self) -> VisualScene:
+        """Return what there is to draw."""
+        world = self._simulator.world
+        links = [(numbers[link.name], link) for tree, numbers in zip(world.trees, self.numbers())
+                 for link in tree.model.links]
+        visuals = tuple(Visual(number, look.shape, look.pose.matrix(), look.material,
+                               look.prefers_file, look.opacity)
+                        for number, link in links for look in link.looks)
+        lights = [(number, light) for number, link in links for light in link.lights]
+        return VisualScene(visuals, self.moving,
+                           (*((-1, light) for light in world.file.lights), *lights),
+                           world.file.surroundings, world.file.has_floor)
 
 
 def _moving(body: Body) -> List[bool]:

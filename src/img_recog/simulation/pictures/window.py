@@ -1,18 +1,26 @@
-"""A window that shows the simulation."""
+"""A window that shows a copy of the simulation, which a separate process draws.
+
+Drawing takes far longer than a step of the physics, and PyBullet ends the process when its window
+is closed or no display can be opened. Therefore a copy is drawn, to which the simulation sends
+poses; whether it exists does not influence the simulation.
+"""
+import dataclasses
 import math
 import os
 import time
 from multiprocessing.connection import Connection
-from typing import Optional, Sequence
+from typing import Dict, List, NamedTuple, Optional, Sequence
 
 import pybullet
 
-from img_recog.model import SUN
+from img_recog.formats.world_file import WorldFile
+from img_recog.model import FIXED, SUN, Joint, Link, Look, Material, Model, Tree
 from img_recog.processes.helper_process import HelperProcess
-from img_recog.simulation.physics.body import BodyPose
+from img_recog.simulation.physics.body import Body, BodyPose
 from img_recog.simulation.physics.client import client_argument, connect
-from img_recog.simulation.pictures.scene import Scene, SceneCopy
+from img_recog.simulation.physics.world import load_bodies
 from img_recog.simulation.pictures.view import ABOVE, FIELD_OF_VIEW, Viewpoint
+from img_recog.simulation.simulator import Simulator
 
 _PERIOD_S = 1 / 30
 _NICENESS = 10              # where OpenGL runs on the processor, the physics comes first
@@ -26,6 +34,97 @@ _DISTANCE_FACTOR = (1.25 * math.tan(math.radians(FIELD_OF_VIEW / 2))
                     / math.tan(math.radians(45)))
 _OPTIONS = ('--background_color_red=0.7 --background_color_green=0.7 '
             '--background_color_blue=0.7 --width=1024 --height=768')
+_FLOOR_HALF_SIZE_M = 20.0
+_FLOOR_COLOR = (0.72, 0.72, 0.72, 1.0)
+
+
+class Scene(NamedTuple):
+    """What a copy is built from; it can be sent to another process.
+
+    Attributes:
+        trees: Trees of links of all models but the floor.
+        world: What the world file says besides its models.
+    """
+
+    trees: Sequence[Tree]
+    world: WorldFile
+
+
+def scene_of(simulator: Simulator) -> Scene:
+    """Return what there is to draw of a simulator now."""
+    return Scene(simulator.world.trees, simulator.world.file)
+
+
+def poses_of(simulator: Simulator) -> Sequence[BodyPose]:
+    """Return the poses of all bodies in the order of a SceneCopy."""
+    return [body.pose() for body in simulator.world.bodies]
+
+
+class SceneCopy:
+    """The bodies of a scene in a physics client that never steps, in the order of `poses_of`."""
+
+    def __init__(self, scene: Scene, physics_client_id: int, floor: bool):
+        """Load the scene; floor: whether to add a visible floor."""
+        self._physics_client_id = physics_client_id
+        self.bodies: List[Body] = []
+        self.load(scene)
+        if floor:
+            _add_floor(physics_client_id)
+
+    def load(self, scene: Scene) -> None:
+        """Replace the bodies by those of a scene.
+
+        A window draws nothing until `place`. Otherwise, PyBullet draws it between any two shapes:
+        on a busy processor without a GPU, this takes a minute, in which the robot is not seen.
+        """
+        self._is_hidden = True
+        client = client_argument(self._physics_client_id)
+        pybullet.configureDebugVisualizer(pybullet.COV_ENABLE_RENDERING, 0, **client)
+        for body in self.bodies:
+            pybullet.removeBody(body.body_id, **client)
+        trees = [tree._replace(model=split_links_by_color(tree.model)) for tree in scene.trees]
+        self.bodies = [body for _, body in load_bodies(trees, self._physics_client_id,
+                                                       visuals=True)]
+        for body in self.bodies:
+            for link in body.links:
+                # otherwise each tall body would show a reflection of the sun
+                pybullet.changeVisualShape(body.body_id, link, specularColor=(0, 0, 0), **client)
+
+    def place(self, poses: Sequence[BodyPose]) -> None:
+        """Move the bodies to the poses that `poses_of` returns for the simulation."""
+        for body, pose in zip(self.bodies, poses):
+            body.place(pose)
+        if self._is_hidden:
+            pybullet.configureDebugVisualizer(pybullet.COV_ENABLE_RENDERING, 1,
+                                              physicsClientId=self._physics_client_id)
+            self._is_hidden = False
+
+
+def _add_floor(physics_client_id: int) -> None:
+    slab = pybullet.createVisualShape(
+        pybullet.GEOM_BOX, halfExtents=(_FLOOR_HALF_SIZE_M, _FLOOR_HALF_SIZE_M, 0.005),
+        visualFramePosition=(0, 0, -0.005), rgbaColor=_FLOOR_COLOR,
+        specularColor=(0, 0, 0), physicsClientId=physics_client_id)
+    pybullet.createMultiBody(0, -1, slab, physicsClientId=physics_client_id)
+
+
+def split_links_by_color(model: Model) -> Model:
+    """Return the model with each color of a link moved to a massless link fixed to it.
+
+    PyBullet's window paints all shapes of a link in one color.
+    Inertias stay where they are; solids are removed, since they are not drawn.
+    """
+    added, joints = [], []
+    for link in model.links:
+        colors: Dict[Optional[Material], List[Look]] = {}
+        for look in link.looks:
+            colors.setdefault(look.material, []).append(look)
+        for number, looks in enumerate(colors.values()):
+            name = '{}_color_{}'.format(link.name, number)
+            added.append(Link(name, looks=tuple(looks)))
+            joints.append(Joint(name + '_joint', FIXED, link.name, name))
+    bare = [link._replace(solids=(), looks=()) for link in model.links]
+    return dataclasses.replace(model, links=(*bare, *added), joints=(*model.joints, *joints))
 
 
 class Window:

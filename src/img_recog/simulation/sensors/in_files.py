@@ -27,7 +27,7 @@ def read(tags: Sequence[Tag], step_s: float, kinds: Sequence[SensorKind],
     """Return what the tags of a model give.
 
     That is the settings of the first sensor of each kind, by name, and the sensors in the order of
-    the file, but for those that are there once.
+    their kinds. A kind that is not there has one for which settings are looked for elsewhere.
 
     step_s: of the physics. kinds: of the sensors that count. report: gets what is not simulated:
     'plugin FILENAME' or 'sensor TYPE', after the word 'second' where it is a duplicate. drive: the
@@ -39,10 +39,9 @@ def read(tags: Sequence[Tag], step_s: float, kinds: Sequence[SensorKind],
     sensors: List[ConfiguredSensor] = []
     of_readers: Dict[int, Values] = {}          # of those that have read a part
     for part in _parts(tags, [reader for reader, _ in readers], with_bare):
-        new = [number for number in part.readers if number not in of_readers]
         for number in part.readers:
             reader, kind = readers[number]
-            if number not in new and not reader.frame:
+            if number in of_readers and not reader.frame:
                 report.add(NOT_SIMULATED, 'second ' + part.label)
                 continue
             values = {} if kind is None else values_in(reader, part.link, part.sensor, part.plugin,
@@ -50,9 +49,9 @@ def read(tags: Sequence[Tag], step_s: float, kinds: Sequence[SensorKind],
             of_readers.setdefault(number, values)
             if kind is not None and reader.frame and not kind.missing:
                 sensors.append(_sensor(kind, values, part))
-            owner = part.plugin if part.sensor is None else part.sensor
-            if owner is not None and part.plugin is not None:
-                for what in reader.not_simulated(owner):
+            if part.plugin is not None:
+                for what in reader.not_simulated(
+                        part.plugin if part.sensor is None else part.sensor):
                     report.add(NOT_SIMULATED, what)
         if not part.readers:
             report.add(NOT_SIMULATED, part.label)
@@ -61,14 +60,23 @@ def read(tags: Sequence[Tag], step_s: float, kinds: Sequence[SensorKind],
             _add_cameras(tags, kind, with_bare, sensors, report)
     values = {name: value for number in sorted(of_readers)
               for name, value in of_readers[number].items()}
-    return values, sensors
+    return values, list(_numbered(kinds, sensors))
 
 
 def _sensor(kind: SensorKind, values: Values, part: _Part) -> ConfiguredSensor:
-    if part.sensor is None:
-        return ConfiguredSensor(kind.name, kind, values=values, place=_place_of(part))
-    return ConfiguredSensor(kind.name, kind, 0, values, _place_of(part), name_of(part.sensor),
-                            part.sensor.get('type', ''), part.plugin is None)
+    found = ConfiguredSensor(kind, 0, values, _place_of(part))
+    return found if part.sensor is None else found._replace(
+        label=name_of(part.sensor), type=part.sensor.get('type', ''), is_bare=part.plugin is None)
+
+
+def _numbered(kinds: Sequence[SensorKind],
+              sensors: Sequence[ConfiguredSensor]) -> Iterator[ConfiguredSensor]:
+    for kind in kinds:
+        own = [each for each in sensors if each.kind is kind]
+        if not own and not kind.only_in_tags:
+            yield ConfiguredSensor(kind)
+        for number, each in enumerate(own):
+            yield each._replace(number=number)
 
 
 def _parts(tags: Sequence[Tag], readers: Sequence[Tags], with_bare: bool) -> Iterator[_Part]:
@@ -141,6 +149,6 @@ def _add_cameras(tags: Sequence[Tag], kind: SensorKind, with_bare: bool,
                            .format(name, taken, owners[taken]))
                 continue
             owners.update(dict.fromkeys(topics, name))
-            sensors.append(ConfiguredSensor(kind.name, kind, 0, {'camera_frame': link, **values},
+            sensors.append(ConfiguredSensor(kind, 0, {'camera_frame': link, **values},
                                             AttachedFrame(link, IDENTITY), name,
                                             sensor.get('type', ''), is_bare))

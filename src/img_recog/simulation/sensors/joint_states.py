@@ -1,6 +1,6 @@
 """The joints of a robot as a sensor measures them."""
 from dataclasses import dataclass
-from typing import Tuple, cast
+from typing import cast
 
 from img_recog.formats.gazebo_tags import NAMES, RATE, Row, Tags
 from img_recog.settings import Settings, above, any_value, setting
@@ -24,17 +24,13 @@ class JointStateSettings(Settings):
     joint_states_period_s: float = setting(0.01, above(0))
     joint_states_joints: str = setting('', any_value())
 
-    @property
-    def joints(self) -> Tuple[str, ...]:
-        """The names of the joints."""
-        return names_in(self.joint_states_joints)
-
 
 class JointStateSensor(Sensor):
     """Measures all movable joints, or as gazebo_plugins does, those that are given."""
 
     def __init__(self, mount: Mount, settings: JointStateSettings):
-        self._robot, self._given = cast(RobotBody, mount.robot), settings.joints
+        self._robot = cast(RobotBody, mount.robot)
+        self._given = names_in(settings.joint_states_joints)
 
     def read(self) -> JointStates:
         """Return the states of the joints."""

@@ -5,14 +5,13 @@ from typing import Iterator, Optional, Tuple
 
 import numpy as np
 
-from img_recog.errors import SimulationError
 from img_recog.formats import noises
 from img_recog.formats.gazebo_tags import EACH_STEP, NAME, NUMBER, TOPIC, Reader, Row, Tags
 from img_recog.formats.noises import Noise
 from img_recog.formats.reader import name_of, text_of
 from img_recog.settings import Settings, above, any_value, at_least, between, not_empty, setting
 from img_recog.simulation.sensors import ray_sensor
-from img_recog.simulation.sensors.ray_sensor import RaySensor
+from img_recog.simulation.sensors.ray_sensor import FanSensor
 from img_recog.simulation.sensors.sensor import Mount
 
 
@@ -69,14 +68,6 @@ class ScanSettings(Settings):
     scan_noise: float = setting(0.0, at_least(0))
     scan_topic: str = setting('scan', not_empty())
 
-    def angles(self) -> np.ndarray:
-        """Return the angle of each ray in rad.
-
-        >>> ScanSettings(scan_samples=3, scan_angle_max=1.0).angles().tolist()
-        [0.0, 0.5, 1.0]
-        """
-        return ray_sensor.angles(self.scan_samples, self.scan_angle_min, self.scan_angle_max)
-
     def middle(self, ranges: np.ndarray) -> np.ndarray:
         """Return the ranges of the middle row among those of all rows.
 
@@ -86,39 +77,21 @@ class ScanSettings(Settings):
         return ranges.reshape(self.scan_rows, -1)[self.scan_rows // 2]
 
 
-class LaserScanner(RaySensor):
+class LaserScanner(FanSensor):
     """Measures ranges, float64 of shape (rows times ranges,), in m, +inf where nothing is hit.
 
     The lowest row is the first. In each are scan_samples times scan_resolution, cut to a whole
-    number. RaySensor finds the distances; here, noise and limits are added.
+    number. FanSensor finds the distances; here, noise and limits are added.
     """
 
     def __init__(self, mount: Mount, settings: ScanSettings):
-        """Mount the scanner on a link of the robot.
-
-        Raises SimulationError when the robot has no such link, or the shortest range is not less
-        than the longest, unless that is 0, with which it sees nothing.
-        """
-        if settings.scan_range_max and not settings.scan_range_min < settings.scan_range_max:
-            raise SimulationError('scan_range_min: got {:g} m, expected less than scan_range_max, '
-                                  '{:g} m'.format(settings.scan_range_min,
-                                                  settings.scan_range_max))
-        super().__init__(mount, mount.frame('scan_frame', settings.scan_frame),
-                         ray_sensor.directions(settings.angles(), ray_sensor.angles(
-                             settings.scan_rows, settings.scan_pitch_min,
-                             settings.scan_pitch_max)),
-                         (settings.scan_range_min, settings.scan_range_max))
+        """Mount the scanner; errors as for FanSensor."""
+        super().__init__(mount, settings, 'scan', 'scan_range')
         self._at = _positions(settings)
-        self._ranges = settings.scan_rows * (
+        self._drawn = settings.scan_rows * (
             settings.scan_samples if self._at is None else len(self._at))
-        self._settings, self._noise = settings, mount.noise
         self._file_noise = next(iter(mount.file_noises), Noise())
         self._offset = self._file_noise.offset(mount.noise)
-
-    def skip_noise(self, readings: int) -> None:
-        """Pass over the noise of readings that are not made."""
-        for _ in range(readings):
-            self._noise.standard_normal(self._ranges)
 
     def measure(self, distances: np.ndarray) -> np.ndarray:
         """Return the ranges; noise is added to hits, which stay within the allowed ranges."""

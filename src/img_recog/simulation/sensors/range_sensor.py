@@ -3,12 +3,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from img_recog.errors import SimulationError
 from img_recog.formats.gazebo_tags import EACH_STEP, NAME, NUMBER, RATE, TOPIC, Row, Tags, choice
 from img_recog.settings import (Settings, above, any_value, at_least, between, not_empty, one_of,
                                 setting)
 from img_recog.simulation.sensors import ray_sensor
-from img_recog.simulation.sensors.ray_sensor import RaySensor
+from img_recog.simulation.sensors.ray_sensor import FanSensor
 from img_recog.simulation.sensors.sensor import Mount
 
 INFRARED, ULTRASOUND = 'infrared', 'ultrasound'
@@ -63,32 +62,12 @@ class RangeSettings(Settings):
                                                abs(self.range_pitch_max - self.range_pitch_min))
 
 
-class RangeSensor(RaySensor):
+class RangeSensor(FanSensor):
     """Measures one distance in m; range_max where nothing is hit (GazeboRosRange)."""
 
     def __init__(self, mount: Mount, settings: RangeSettings):
-        """Mount the sensor.
-
-        Raises SimulationError when the shortest range is not less than the longest, unless that is
-        0, with which it sees nothing, or the robot has no link for it.
-        """
-        if settings.range_max and not settings.range_min < settings.range_max:
-            raise SimulationError('range_min: got {:g} m, expected less than range_max, {:g} m'
-                                  .format(settings.range_min, settings.range_max))
-        super().__init__(
-            mount, mount.frame('range_frame', settings.range_frame),
-            ray_sensor.directions(
-                ray_sensor.angles(settings.range_samples, settings.range_angle_min,
-                                  settings.range_angle_max),
-                ray_sensor.angles(settings.range_rows, settings.range_pitch_min,
-                                  settings.range_pitch_max)),
-            (settings.range_min, settings.range_max))
-        self._settings, self._noise = settings, mount.noise
-
-    def skip_noise(self, readings: int) -> None:
-        """Pass over the noise of readings that are not made."""
-        for _ in range(readings):
-            self._noise.standard_normal()
+        """Mount the sensor; errors as for FanSensor."""
+        super().__init__(mount, settings, 'range', 'range')
 
     def measure(self, distances: np.ndarray) -> float:
         """Return the range of the nearest hit, with noise, within the allowed ranges."""

@@ -112,6 +112,44 @@ class RaySensor(Sensor):
         return distances
 
 
+class FanSensor(RaySensor):
+    """Casts rows of rays; those of a row are about z of its frame, and the rows one above another.
+
+    The settings have the names of `fan_rows`, and PREFIX_frame.
+    """
+
+    def __init__(self, mount: Mount, settings: Any, prefix: str, limits: str):
+        """Mount the sensor.
+
+        Args:
+            mount: Mount.
+            settings: Settings of the sensor.
+            prefix: Beginning of the names of its settings: 'scan'.
+            limits: Beginning of the names of its shortest and longest range.
+
+        Raises:
+            SimulationError: if the robot has no link for it, or the shortest range is not less
+                than the longest, unless that is 0, with which it sees nothing.
+        """
+        def value(name: str) -> Any:
+            return getattr(settings, prefix + name)
+        shortest, longest = (getattr(settings, limits + end) for end in ('_min', '_max'))
+        if longest and not shortest < longest:
+            raise SimulationError('{0}_min: got {1:g} m, expected less than {0}_max, {2:g} m'
+                                  .format(limits, shortest, longest))
+        super().__init__(
+            mount, mount.frame(prefix + '_frame', value('_frame')),
+            directions(angles(value('_samples'), value('_angle_min'), value('_angle_max')),
+                       angles(value('_rows'), value('_pitch_min'), value('_pitch_max'))),
+            (shortest, longest))
+        self._settings, self._noise, self._drawn = settings, mount.noise, 1
+
+    def skip_noise(self, readings: int) -> None:
+        """Pass over the noise of readings that are not made."""
+        for _ in range(readings):
+            self._noise.standard_normal(self._drawn)
+
+
 def angles(samples: int, first: float, last: float) -> np.ndarray:
     """Return the angles of rays; a single one is at 0 (gazebo::physics::MultiRayShape::Init).
 

@@ -8,11 +8,10 @@ from img_recog.formats.gazebo_tags import Tags, Values
 from img_recog.formats.noises import Noise
 from img_recog.model import AttachedFrame
 from img_recog.settings import nearest_period
-from img_recog.simulation.names import topic_fields
 from img_recog.simulation.physics.drive import Drive
 from img_recog.simulation.physics.framed_body import FramedBody
 from img_recog.simulation.physics.world import World
-from img_recog.simulation.simulation_settings import whole_steps
+from img_recog.simulation.simulation_settings import topic_fields, whole_steps
 
 
 class Sensor(abc.ABC):
@@ -124,13 +123,12 @@ class SensorKind(NamedTuple):
 class ConfiguredSensor(NamedTuple):
     """A sensor of a robot.
 
-    name: of its readings: for the first of a kind, that of the kind. number: among those of its
-    kind, from 0. values: the settings in its tag, by name, none for one without a tag. place:
-    where its tag puts it, None if nothing says it; label: its own name; type: of its <sensor>, ''
-    if it is a plugin alone; is_bare: whether it has no plugin that publishes what it measures.
+    number: among those of its kind, from 0. values: the settings in its tag, by name, none for one
+    without a tag. place: where its tag puts it, None if nothing says it; label: its own name;
+    type: of its <sensor>, '' if it is a plugin alone; is_bare: whether it has no plugin that
+    publishes what it measures.
     """
 
-    name: str
     kind: SensorKind
     number: int = 0
     values: Values = {}
@@ -140,49 +138,11 @@ class ConfiguredSensor(NamedTuple):
     is_bare: bool = False
 
     @property
+    def name(self) -> str:
+        """The name of its readings: for the first of a kind, that of the kind."""
+        return '{}_{}'.format(self.kind.name, self.number + 1) if self.number else self.kind.name
+
+    @property
     def reads_parameters(self) -> bool:
         """Whether parameters of the user count more than its tag."""
         return self.number == 0 and not self.kind.only_in_tags
-
-
-def sensors_of(kinds: Sequence[SensorKind],
-               in_tags: Sequence[ConfiguredSensor] = ()) -> List[ConfiguredSensor]:
-    """Return the sensors that a robot can have, in the order of their kinds; in_tags: those of its
-    file. A kind that is not there has one for which settings are looked for elsewhere.
-    """
-    found = []
-    for kind in kinds:
-        own = [each for each in in_tags if each.kind is kind]
-        if not own and not kind.only_in_tags:
-            found.append(ConfiguredSensor(kind.name, kind))
-        found += [each._replace(name=numbered(kind, number), number=number)
-                  for number, each in enumerate(own)]
-    return found
-
-
-def numbered(kind: SensorKind, number: int) -> str:
-    """Return the name of a sensor; number: among those of its kind, from 0."""
-    return '{}_{}'.format(kind.name, number + 1) if number else kind.name
-
-
-class ScheduledSensor:
-    """A sensor with its name, its kind and its period; it is read only while it is enabled.
-
-    noise: its random generator. skipped_from: the step of the physics from which on its readings
-    were not made, while it is disabled.
-    """
-
-    def __init__(self, name: str, kind: str, period_steps: int, sensor: Sensor,
-                 noise: np.random.RandomState):
-        self.name, self.kind, self.period_steps, self.sensor = name, kind, period_steps, sensor
-        self.enabled, self.skipped_from = True, 0
-        self._noise, self._state_at_start = noise, noise.get_state()
-
-    def restart_noise(self) -> None:
-        """Let the next noise be the first one."""
-        self._noise.set_state(self._state_at_start)
-        self.sensor.forget_noise()
-
-    def skip_until(self, steps: int) -> None:
-        """Let the next noise be the one that it is if all readings up to a step were made."""
-        self.sensor.skip_noise(steps // self.period_steps - self.skipped_from // self.period_steps)

@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 from sensor_msgs.msg import CameraInfo
 
-from img_recog.conversions import depth_msgs
+from img_recog.conversions import robot_cameras
 from img_recog.nodes.gazebo.camera_topics import CameraTopics, optical_transform
 from img_recog.ros.transport.redelivery import Redelivery
 from img_recog.simulation.sensors.robot_camera import Exposure
@@ -117,7 +117,7 @@ def test_points_and_millimeters_of_a_depth_camera(publishers):
     assert topics.is_wanted() and topics.shot(exposure()).depth
     topics.publish(picture(depth=True), 2.0)
     (cloud,), = publishers['eye/points'].sent
-    points, colors = depth_msgs.from_msg(cloud)
+    points, colors = robot_cameras.points_from_msg(cloud)
     assert np.isnan(points[..., 2]).sum() == 0 and np.all(points[..., 2] == 1.5)
     assert np.all(colors == 7)
     (image, encoding, header) = publishers['eye/depth'].sent[-1]

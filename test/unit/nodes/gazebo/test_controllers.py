@@ -5,7 +5,7 @@ import pytest
 
 from img_recog.formats import drive_controllers, urdf
 from img_recog.nodes.gazebo import controllers
-from img_recog.simulation.names import Names
+from img_recog.simulation.simulation_settings import Names
 from img_recog_helpers.wheeled import plugin, robot
 
 DRIVE = {'type': 'diff_drive_controller/DiffDriveController', 'left_wheel': 'left'}

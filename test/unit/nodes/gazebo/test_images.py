@@ -6,9 +6,8 @@ import pytest
 
 from img_recog.nodes.gazebo import view_topic
 from img_recog.nodes.gazebo.images import Images
-from img_recog.simulation.names import Names
 from img_recog.simulation.pictures.view import ABOVE, follow, horizontal_fov
-from img_recog.simulation.simulation_settings import CameraSettings, ViewSettings
+from img_recog.simulation.simulation_settings import CameraSettings, Names, ViewSettings
 from img_recog_helpers import robots
 from img_recog_helpers.waiting import DEADLINE_S
 

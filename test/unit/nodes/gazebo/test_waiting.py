@@ -4,7 +4,7 @@ from types import SimpleNamespace
 import pytest
 
 from img_recog.nodes.gazebo.waiting import Waiting
-from img_recog.simulation.mounted_sensors import Reading
+from img_recog.simulation.simulated_model import Reading
 
 
 @pytest.mark.parametrize('is_awaited', [True, False])

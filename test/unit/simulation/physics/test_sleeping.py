@@ -7,7 +7,6 @@ from img_recog.formats.lumping import lumped
 from img_recog.model import Tree
 from img_recog.report import Report
 from img_recog.rotations import IDENTITY
-from img_recog.simulation.model_forces import ModelForces
 from img_recog.simulation.models import Models
 from img_recog.simulation.physics.client import connect
 from img_recog.simulation.physics.world import World
@@ -127,9 +126,9 @@ def move(simulator, name, **state):
 
 # each with the body that moves then, and the sign of how it moves along x, or along z
 WAYS = {
-    'push': (lambda sim: ModelForces(sim, Models(sim)).apply_wrench(
+    'push': (lambda sim: Models(sim).apply_wrench(
         'b2::l', (30, 0, 0), ZERO, 0, 0.1), 'b2', (1, 0)),
-    'short push': (lambda sim: ModelForces(sim, Models(sim)).apply_wrench(
+    'short push': (lambda sim: Models(sim).apply_wrench(
         'b2::l', (500, 0, 0), ZERO, 0, 0.001), 'b2', (1, 0)),
     'velocity': (lambda sim: move(sim, 'b2', linear=(0.5, 0, 0)), 'b2', (1, 0)),
     'place': (lambda sim: move(sim, 'b2', position=(2, 0, 0.5)), 'b2', (0, -1)),

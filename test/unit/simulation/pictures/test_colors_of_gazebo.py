@@ -8,7 +8,6 @@ from img_recog import rotations
 from img_recog.formats import world_file
 from img_recog.rendering.camera import Camera
 from img_recog.simulation import assembly
-from img_recog.simulation.pictures import visual_scene
 from img_recog.simulation.pictures.visual_scene import Parts
 from img_recog.simulation.simulation_settings import PhysicsSettings
 from img_recog_helpers.drawn import at, loaded, looking_down
@@ -58,7 +57,7 @@ def seen(inside, pose, points):
     world = world_file.read('a.world', {}, read_file=lambda path: sdf(inside))
     built = assembly.build(PhysicsSettings(), world, [])
     parts = Parts(built.simulator)
-    image = loaded(visual_scene.read(built.scene, parts), parts.poses()).draw(
+    image = loaded(parts.scene(), parts.poses()).draw(
         CAMERA, pose, parts.poses())
     fx, fy, cx, cy = CAMERA.intrinsics
     found = []

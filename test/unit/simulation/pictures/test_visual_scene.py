@@ -5,7 +5,6 @@ import numpy as np
 import pytest
 
 from img_recog.model import MESH, PLANE, SPHERE, WHITE, Material, Shape
-from img_recog.simulation.pictures import visual_scene
 from img_recog.simulation.pictures.visual_scene import Parts
 from img_recog.simulation.sensors import robot_camera
 from img_recog.simulation.sensors.robot_camera import RobotCamera
@@ -24,7 +23,7 @@ HALL = sdf(BUILT_IN, shelf_with(BALL), CRATE.format('-1 0 0.1 0 0 0'))
 
 def read(built):
     parts = Parts(built.simulator)
-    return visual_scene.read(built.scene, parts), parts
+    return parts.scene(), parts
 
 
 def with_visual(inside):
@@ -160,14 +159,14 @@ def test_a_mounted_camera_is_read_at_its_rate_while_it_is_enabled():
     built = assemble(cameras=[CameraSettings(camera_frame='base_link', camera_rate=rate)
                               for rate in (30.0, 10.0)])
     robot = built.simulator.robots[0]
-    name, second = robot.cameras
+    name, second = robot.mounted.cameras
 
     def times(sensor, steps):
         return [round(each.time_s, 6) for each in built.simulator.advance(steps)
                 if each.sensor == sensor]
     assert (name, second) == ('camera', 'camera_2') and times(name, 100) == []
-    robot.set_sensor_enabled(name, True)
+    robot.mounted.set_enabled(name, True)
     assert times(name, 100) == [0.132, 0.165, 0.198]
-    robot.set_sensor_enabled(name, False)
-    robot.set_sensor_enabled(second, True)
+    robot.mounted.set_enabled(name, False)
+    robot.mounted.set_enabled(second, True)
     assert times(name, 1) == [] and times(second, 299) == [0.3, 0.4, 0.5]
