@@ -1,4 +1,4 @@
-"""How fast simulated time passes: pauses, pacing by real time, and the measured factor."""
+"""How fast simulated time passes: pacing by real time, and the measured factor."""
 import math
 import time
 from typing import Callable, Optional
@@ -15,12 +15,15 @@ _WORSE = 0.5
 class Pace:
     """Computes how long to wait between two pieces of simulated time, and measures how it passes.
 
-    is_paused: whether no time is to be simulated; wanted: simulated seconds per second of wall
-    time, 0 for as fast as possible; measured: the same as it was last, 0 before the first second.
+    All methods are for the thread that simulates, which alone sets the attributes.
+
+    Attributes:
+        wanted: Simulated seconds per second of wall time, 0 for as fast as possible.
+        measured: The same as it was last, 0 before the first second.
     """
 
     def __init__(self, real_time_factor: float, now: Callable[[], float] = time.monotonic):
-        self.is_paused, self.measured = False, 0.0
+        self.measured = 0.0
         self._now = now
         self._since_s, self._simulated_s = now(), 0.0
         self._row = 0       # measurements in a row that were too slow; negative: that were not
@@ -31,14 +34,6 @@ class Pace:
         """Go on at another factor, from now on."""
         self.wanted = real_time_factor
         self.restart()
-
-    def pause(self) -> None:
-        """Simulate nothing until `unpause`."""
-        self.is_paused = True
-
-    def unpause(self) -> None:
-        """Simulate again."""
-        self.is_paused = False
 
     def restart(self) -> None:
         """Start from now, as after a pause: the time until now is not caught up with."""

@@ -44,19 +44,18 @@ from img_recog.nodes.gazebo import model_services
 from img_recog.nodes.gazebo.clock import SimulatedClock
 from img_recog.nodes.gazebo.images import Images
 from img_recog.nodes.gazebo.link_services import LinkServices
-from img_recog.nodes.gazebo.lockstep import Lockstep
-from img_recog.nodes.gazebo.lockstep_settings import LockstepSettings
+from img_recog.nodes.gazebo.lockstep import Lockstep, LockstepSettings
 from img_recog.nodes.gazebo.model_services import ModelServices
 from img_recog.nodes.gazebo.model_topics import WORLD_FRAME, WorldTopics
 from img_recog.nodes.gazebo.outlines import Outlines
-from img_recog.nodes.gazebo.physics_services import RuntimeSettings, ServiceCalls, serve_physics
+from img_recog.nodes.gazebo.physics_services import (RuntimeSettings, ServiceCalls,
+                                                     SteppingSettings, serve_physics, serve_step)
 from img_recog.nodes.gazebo.robot_reader import (ROBOTS, RobotReader, RobotsSettings,
                                                  robot_settings_classes)
 from img_recog.nodes.gazebo.robot_updates import RobotUpdates
 from img_recog.nodes.gazebo.simulation_diagnostics import SimulationDiagnostics
-from img_recog.nodes.gazebo.stepping import Stepping, SteppingSettings
+from img_recog.nodes.gazebo.time_gate import Mode, TimeGate, Wait
 from img_recog.nodes.gazebo.transforms import StaticTransforms
-from img_recog.nodes.gazebo.waiting import Waiting
 from img_recog.ros import lifecycle, parameters
 from img_recog.ros.diagnostics import NodeDiagnostics
 from img_recog.ros.reconfigure import Reconfigurable
@@ -94,22 +93,22 @@ class Gazebo:
         self._simulator = built.simulator
         built.report.listen(lambda line: rospy.logwarn('%s', line))
         self._pace = Pace(physics.real_time_factor)
-        if stepping.paused:
-            self._pace.pause()
         self._clock = SimulatedClock(self._simulator, self._pace)
         self._calls = ServiceCalls()
+        self._gate = TimeGate(Mode.PAUSED if stepping.paused else Mode.RUNNING, self._calls.wake,
+                              lockstep.lockstep_timeout if lockstep.topics else None)
         serve_physics(self._calls, {
-            'pause_physics': self._pace.pause, 'unpause_physics': self._pace.unpause,
+            'pause_physics': self._gate.pause, 'unpause_physics': self._gate.unpause,
             'reset_world': self._reset_world, 'reset_simulation': self._reset_simulation})
-        self._lockstep = Lockstep(lockstep, self._calls.wake) if lockstep.topics else None
+        self._lockstep = Lockstep(
+            lockstep, self._gate, self._simulator) if lockstep.topics else None
         statics, models = StaticTransforms(), Models(self._simulator)
-        self._images = Images(self._simulator, view, statics, lockstep=self._lockstep,
-                              wake=self._calls.wake)
+        self._images = Images(self._simulator, view, statics, self._gate, self._calls.wake,
+                              self._lockstep and self._lockstep.redelivery)
         self._topics = WorldTopics(self._simulator, models, self._images, statics, self._calls,
                                    which.world_tf, self._lockstep)
         if self._lockstep is None:      # else commands come in simulated time
             self._topics.scale_timeouts(timeout_scale(physics.real_time_factor))
-        self._waiting = Waiting(self._simulator, self._images, self._topics, self._lockstep)
         frame, origin = WORLD_FRAME, PlanePose(0.0, 0.0, 0.0)
         of_world = self._simulator.models
         if single is None:
@@ -135,11 +134,11 @@ class Gazebo:
         else:
             self._states = (
                 ModelServices(self._simulator, models, self._topics, reader, self._calls,
-                              self._pace, lambda factor: self._reconfigurable.
+                              self._pace, self._gate, lambda factor: self._reconfigurable.
                               update_configuration({'real_time_factor': factor})),
                 LinkServices(self._simulator, models, self._calls))
         self._outlines = Outlines(self._simulator, frame, origin)
-        self._diagnostics = SimulationDiagnostics(self._pace, self._calls)
+        self._diagnostics = SimulationDiagnostics(self._pace, self._gate, self._calls)
         self._topics.use_diagnostics(NodeDiagnostics('simulation', 'none', self._report))
         if single is None:
             rospy.loginfo('simulating %d robots in world %s', len(self._simulator.robots),
@@ -149,32 +148,46 @@ class Gazebo:
                           robot.body.mass(), robot.body.root, physics.world)
             self._topics.log_start(robot)
         # last: who finds ~step takes it that all topics are there, like img_recog.testing
-        self._stepping = Stepping(self._calls, self._simulator, self._pace)
+        serve_step(self._calls, self._simulator, self._gate)
 
     def spin(self) -> None:
         """Simulate until the node is shut down."""
         try:
             while not rospy.is_shutdown():
                 self._show()
-                end = self._stepping.end
-                is_paused = self._pace.is_paused and end is None
-                if is_paused or self._waiting.must_stand():
-                    self._calls.process(_POLL_PERIOD_S)
-                    if self._pace.is_paused or self._images.is_loading():
-                        self._pace.restart()
-                    if is_paused:
-                        self._waiting.restart()
-                    self._clock.count(0.0)
-                elif end is None or self._simulator.steps < end:
-                    simulated_s = self._advance(1 if self._pace.wanted else self._free_run_periods)
-                    self._clock.count(simulated_s)
-                    self._wait(self._pace.delay_s(simulated_s))
-                elif self._images.is_complete():
-                    self._stepping.finish()
-                else:
-                    self._calls.process(_POLL_PERIOD_S)
+                self._run_once()
         finally:        # publishing fails if a topic is closed meanwhile
+            self._gate.shut_down()
             self._images.close()
+
+    def _run_once(self) -> None:
+        """Let some time pass, if it may; otherwise process service calls."""
+        if self._gate.mode is not Mode.PAUSED:
+            self._look()
+        steps = self._simulator.steps
+        if self._gate.may_pass(steps):
+            simulated_s = self._advance(1 if self._pace.wanted else self._free_run_periods)
+            self._clock.count(simulated_s)
+            self._wait(self._pace.delay_s(simulated_s))
+        elif self._gate.is_step_over(steps) and self._images.is_complete():
+            self._gate.end_step()
+        else:
+            self._stand()
+
+    def _look(self) -> None:
+        """Tell the gate of what can only be asked for."""
+        self._images.look()
+        if self._lockstep is not None and self._lockstep.look():
+            self._images.enable_cameras()
+            self._lockstep.look_for_sensor()
+
+    def _stand(self) -> None:
+        """Process service calls while no time passes."""
+        self._gate.report(self._simulator.time_s)
+        self._calls.process(_POLL_PERIOD_S)
+        if self._gate.is_paused or self._gate.awaited(Wait.LOADING):
+            self._pace.restart()
+        self._clock.count(0.0)
 
     def _advance(self, periods: int) -> float:
         """Simulate some clock periods and publish what the sensors measured in them.
@@ -182,14 +195,13 @@ class Gazebo:
         Returns the simulated time in s: less if a step by hand or the wait for others begins.
         """
         begin_s, begin = time.perf_counter(), self._simulator.steps
-        if self._waiting.take_commands():
+        if self._lockstep is None or self._lockstep.take_due(self._topics.discard_commands):
             self._topics.apply_commands()
         self._topics.disable_unused()
         self._images.enable_cameras()
-        end = (begin // self._clock_steps + periods) * self._clock_steps
-        if self._stepping.end is not None:
-            end = min(end, self._stepping.end)
-        end = self._waiting.end_of(end)
+        end = self._gate.end_of((begin // self._clock_steps + periods) * self._clock_steps)
+        if self._lockstep is not None:
+            end = self._lockstep.end_of(end)
         readings = []
         while self._simulator.steps < end:
             steps = self._simulator.steps
@@ -198,10 +210,12 @@ class Gazebo:
             self._clock.add()
             for states in self._states:
                 states.update()
-        self._waiting.finish()
+        if self._lockstep is not None:
+            self._images.wait_complete()
         # the clock first, so that no reading is stamped in the future
         self._clock.flush()
-        self._waiting.expect(readings)
+        if self._lockstep is not None:
+            self._lockstep.expect(readings, self._topics.namespaces)
         self._images.draw(readings, lambda: self._topics.publish(readings))
         self._diagnostics.steps.add(
             (time.perf_counter() - begin_s) * self._clock_steps / (end - begin))
@@ -240,14 +254,19 @@ class Gazebo:
             if self._lockstep is None:      # else commands come in simulated time
                 self._topics.scale_timeouts(timeout_scale(factor))
 
+    def _discard_commands(self) -> None:
+        self._topics.discard_commands()
+        if self._lockstep is not None:
+            self._lockstep.notify_reset()
+
     def _reset_world(self) -> None:
-        self._waiting.discard_commands()
+        self._discard_commands()
         self._simulator.reset_world()
 
     def _reset_simulation(self) -> None:
-        self._waiting.discard_commands()
+        self._discard_commands()
         self._simulator.reset_simulation()
-        self._stepping.finish()
+        self._gate.end_step()
         # at once: while the physics is paused, no step publishes it
         self._clock.add()
         self._clock.flush()

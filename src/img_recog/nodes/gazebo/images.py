@@ -10,10 +10,11 @@ from diagnostic_updater import DiagnosticStatusWrapper
 from img_recog.errors import UserError
 from img_recog.nodes.gazebo.camera_topics import CameraTopics, optical_transform
 from img_recog.nodes.gazebo.image_process import ImageProcess
-from img_recog.nodes.gazebo.lockstep import Lockstep
+from img_recog.nodes.gazebo.time_gate import TimeGate, Wait
 from img_recog.nodes.gazebo.transforms import StaticTransforms
 from img_recog.nodes.gazebo.view_topic import ViewTopic
 from img_recog.rendering.server import Picture, Shot
+from img_recog.ros.transport.redelivery import Redelivery
 from img_recog.simulation.mounted_sensors import MountedSensors, Reading
 from img_recog.simulation.pictures import visual_scene
 from img_recog.simulation.pictures.scene import poses_of, scene_of
@@ -26,10 +27,14 @@ from img_recog.simulation.simulator import Simulator
 
 # Where OpenGL runs on the processor, the physics comes first; in lockstep, it waits.
 _NICENESS = 5
+_POLL_PERIOD_S = 0.1
 
 
 class Images:
     """Draws what the simulation looks like. All methods are for the thread that simulates.
+
+    It tells the gate of simulated time which images are not drawn yet, in lockstep, and whether
+    the world is loaded.
 
     A camera is used while one of its topics has a subscriber. At most one image of the view is
     drawn in each period of wall time, with the next one of a camera if there are such: the
@@ -37,28 +42,38 @@ class Images:
     """
 
     def __init__(self, simulator: Simulator, view: ViewSettings, statics: StaticTransforms,
-                 make_process: Callable[..., ImageProcess] = ImageProcess,
-                 lockstep: Optional[Lockstep] = None, wake: Callable[[], None] = lambda: None):
-        """lockstep: a camera that was used once stays in use then. wake: is called after images
-        of cameras were published.
+                 gate: TimeGate, wake: Callable[[], None],
+                 redelivery: Optional[Redelivery] = None):
+        """Start nothing yet.
+
+        Args:
+            simulator: Simulator.
+            view: Settings of the view and the window.
+            statics: Publisher of the frames of cameras.
+            gate: Gate of simulated time.
+            wake: Function that is called after images of cameras were published.
+            redelivery: Sends the images in lockstep; a camera that was used once then stays in
+                use.
         """
-        self._simulator, self._statics, self._lockstep = simulator, statics, lockstep
-        self._wake, self._skips = wake, view.skip_images and lockstep is None
+        self._simulator, self._statics, self._redelivery = simulator, statics, redelivery
+        self._gate, self._wake = gate, wake
+        self._skips = view.skip_images and redelivery is None
         self._revision = simulator.world.revision
         self._parts = Parts(simulator)
         self._view = ViewTopic(view, above(simulator.world))
         scene = scene_of(simulator)
         self._window: Optional[Window] = (
             Window(scene, above(simulator.world)) if view.gui else None)
-        self._process = make_process(visual_scene.read(scene, self._parts),
+        self._process = ImageProcess(visual_scene.read(scene, self._parts),
                                      self._parts.poses(), [self._view.camera],
-                                     _NICENESS if lockstep is None else 0)
+                                     _NICENESS if redelivery is None else 0)
         # by the names of robot and sensor
         self._cameras: Dict[Tuple[str, str], Tuple[MountedSensors, CameraTopics]] = {}
         self._last_poses, self._last_poses_s = self._parts.poses(), -1.0
         self._is_view_due = False
         self._exposures = 0         # how often cameras have read; those that are read together
-        self._drawn = self._published = 0       # of these, by the thread that publishes
+        self._published = 0         # the last of these, under the lock of _publication
+        self._publication = threading.Condition()
 
     def add_cameras(self, mounted: MountedSensors) -> None:
         """Draw the cameras of a model; publish where those are that its URDF does not have.
@@ -73,7 +88,7 @@ class Images:
             for (sensor, camera), each in zip(mounted.cameras.items(), seen):
                 camera.poses = self._poses
                 self._cameras[mounted.body.name, sensor] = mounted, CameraTopics(
-                    each, self._lockstep.redelivery if self._lockstep else None)
+                    each, self._redelivery)
         except UserError:
             self.remove_cameras(mounted)
             raise
@@ -131,7 +146,14 @@ class Images:
                 self._process.start()
             mounted.set_enabled(sensor, is_wanted and self._process.is_ready)
 
-    def is_loading(self) -> bool:
+    def look(self) -> None:
+        """Tell the gate whether the world is loaded, and of images that can never be drawn."""
+        self._gate.expect(Wait.LOADING, ['it'] if self._is_loading() else ())
+        unpublished = self._gate.awaited(Wait.IMAGES)
+        if unpublished and self._cannot_draw():
+            self._gate.end(Wait.IMAGES, *unpublished)
+
+    def _is_loading(self) -> bool:
         """Return whether a camera that is mounted or used cannot be drawn yet; starts to load."""
         if not self._cameras:
             return False
@@ -143,14 +165,23 @@ class Images:
 
         Those that were lost with the process are drawn again.
         """
-        return self._published == self._exposures or self._cannot_draw()
+        with self._publication:
+            is_published = self._published == self._exposures
+        return is_published or self._cannot_draw()
 
-    def are_drawn(self) -> bool:
-        """Return what `is_complete` returns, but already when their publication begins."""
-        return self._drawn == self._exposures or self._cannot_draw()
+    def wait_complete(self) -> None:
+        """Wait until `is_complete`, or a shutdown.
+
+        An image can be answered while the thread that publishes it has not ended yet: it may wait
+        for the processor that the answering node uses.
+        """
+        while not self.is_complete() and not rospy.is_shutdown():
+            with self._publication:
+                self._publication.wait_for(
+                    lambda: self._published == self._exposures, _POLL_PERIOD_S)
 
     def _cannot_draw(self) -> bool:
-        if self._process.has_lost and not self.is_loading():
+        if self._process.has_lost and not self._is_loading():
             self._process.draw_again()
         return not (self._process.is_ready or self._process.is_loading)
 
@@ -183,6 +214,7 @@ class Images:
         topics = [self._cameras[each.robot, each.sensor][1] for each in readings]
         shots = [camera.shot(each.value) for camera, each in zip(topics, readings)]
         self._exposures += 1
+        self._gate.expect(Wait.IMAGES, [self._exposures])
         self._draw(topics, shots, readings[0].value.poses, readings[0].time_s,
                    others_are_published)
 
@@ -209,7 +241,7 @@ class Images:
               time_s: float, others_are_published: Optional[threading.Event] = None) -> None:
         """Draw what cameras have read, with the view if it is due."""
         publishers: List[Union[CameraTopics, ViewTopic]] = list(topics)
-        exposures = self._exposures
+        exposure = self._exposures
         if self._is_view_due:
             self._is_view_due = False
             publishers, shots = [*topics, self._view], [*shots, self._view.shot(self._simulator)]
@@ -218,13 +250,14 @@ class Images:
             if others_are_published is not None:
                 others_are_published.wait()
             if topics:
-                self._drawn = exposures
-                if self._lockstep is not None:
-                    self._lockstep.notify_sent()
+                self._gate.notify_sent()
+                self._gate.end(Wait.IMAGES, exposure)
             for each, picture in zip(publishers, pictures):
                 each.publish(picture, time_s)
             if topics:
-                self._published = exposures
+                with self._publication:
+                    self._published = exposure
+                    self._publication.notify()
                 self._wake()
         self._process.draw(shots, poses, publish)
 

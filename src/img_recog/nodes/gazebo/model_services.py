@@ -19,6 +19,7 @@ from img_recog.model import Tree
 from img_recog.nodes.gazebo.model_topics import WorldTopics
 from img_recog.nodes.gazebo.physics_services import RuntimeSettings, ServiceCalls
 from img_recog.nodes.gazebo.robot_reader import RobotReader
+from img_recog.nodes.gazebo.time_gate import TimeGate
 from img_recog.ros.log.throttle import ThrottledWarning
 from img_recog.rotations import Transform
 from img_recog.report import Report
@@ -54,12 +55,12 @@ class ModelServices:
     """
 
     def __init__(self, simulator: Simulator, models: Models, topics: WorldTopics,
-                 reader: RobotReader, calls: ServiceCalls, pace: Pace,
+                 reader: RobotReader, calls: ServiceCalls, pace: Pace, gate: TimeGate,
                  set_factor: Callable[[float], Any]):
         """Advertise. set_factor: sets the real time factor."""
         self._set_factor = set_factor
         self._simulator, self._models, self._topics = simulator, models, topics
-        self._reader, self._calls, self._pace = reader, calls, pace
+        self._reader, self._calls, self._pace, self._gate = reader, calls, pace, gate
         self._states = rospy.Publisher('~model_states', ModelStates, queue_size=10)
         self._warn = ThrottledWarning()
         services = {'get_model_state': (GetModelState, self._get),
@@ -174,7 +175,7 @@ class ModelServices:
         return {'sim_time': time_s, 'model_names': names, 'rendering_enabled': True}
 
     def _describe_physics(self, _: Any) -> Response:
-        wanted, is_paused = self._calls.call(lambda: (self._pace.wanted, self._pace.is_paused))
+        wanted, is_paused = self._calls.call(lambda: (self._pace.wanted, self._gate.is_paused))
         world = self._simulator.world
         return {'time_step': world.step_s, 'pause': is_paused,
                 'max_update_rate': wanted / world.step_s, 'gravity': Vector3(*world.file.gravity),

@@ -9,14 +9,12 @@ import pytest
 import rospy
 from geometry_msgs.msg import Twist
 
-from img_recog.nodes.gazebo import answering_nodes, gazebo_node, lockstep, stepping
+from img_recog.nodes.gazebo import images, lockstep
 from img_recog.nodes.gazebo.gazebo_node import Gazebo
 from img_recog.nodes.gazebo.images import Images
-from img_recog.nodes.gazebo.lockstep import Lockstep
-from img_recog.nodes.gazebo.lockstep_settings import LockstepSettings
+from img_recog.nodes.gazebo.lockstep import Lockstep, LockstepSettings
 from img_recog.nodes.gazebo.physics_services import ServiceCalls
-from img_recog.nodes.gazebo.stepping import Stepping
-from img_recog.nodes.gazebo.waiting import Waiting
+from img_recog.nodes.gazebo.time_gate import Mode, TimeGate
 from img_recog.simulation.pacing import Pace
 from img_recog.simulation.simulation_settings import CameraSettings, ViewSettings
 from img_recog_helpers import expected, robots
@@ -24,7 +22,7 @@ from img_recog_helpers import expected, robots
 CAMERA = CameraSettings(camera_frame='base_link', camera_width=32, camera_height=24,
                         camera_rate=50.0, camera_optical_frame='lens',
                         camera_image_topic='eye/image', camera_info_topic='eye/info')
-STEP_S, TIMEOUT_S = 0.04, 5.0       # two images
+STEPS, TIMEOUT_S = 40, 5.0      # two images
 
 
 class FakeProcess:
@@ -96,20 +94,22 @@ class Rig:
 
     def __init__(self, monkeypatch, publishers, clock, kinds):
         self.clock, self.publishers = clock, publishers
-        self.turns, FakeConnections.found = 0, ('a publisher of /cmd_vel',)
+        FakeConnections.found = ('a publisher of /cmd_vel',)
         self.simulator = robots.simulator(cameras=[CAMERA])
-        self.call = None
+        self.answered = []
         pace, calls = Pace(0.0), ServiceCalls()
-        answers = Lockstep(LockstepSettings('r/cmd_vel', kinds, TIMEOUT_S),
-                           calls.wake) if kinds else None
+        self.gate = TimeGate(Mode.RUNNING, calls.wake, TIMEOUT_S if kinds else None)
+        answers = Lockstep(LockstepSettings('r/cmd_vel', kinds, TIMEOUT_S), self.gate,
+                           self.simulator) if kinds else None
         self.process = FakeProcess()
-        images = Images(self.simulator, ViewSettings(), SimpleNamespace(set=lambda *_: None),
-                        lambda *_: self.process, answers, calls.wake)
+        monkeypatch.setattr(images, 'ImageProcess', lambda *_: self.process)
+        drawn = Images(self.simulator, ViewSettings(), SimpleNamespace(set=lambda *_: None),
+                       self.gate, calls.wake, answers and answers.redelivery)
         topics = SimpleNamespace(namespaces=lambda *_: ['r'], publish=lambda *_: None, **{
             name: lambda: None for name in ('apply_commands', 'disable_unused',
                                             'discard_commands')})
         mounted, = self.simulator.robots[0].sensors
-        images.add_cameras(mounted)
+        drawn.add_cameras(mounted)
         if answers:
             answers.subscribe_commands('r/cmd_vel', Twist, lambda _: None)
             answers.subscribe()
@@ -117,25 +117,18 @@ class Rig:
         loop = self.loop = Gazebo.__new__(Gazebo)
         vars(loop).update(
             _simulator=self.simulator, _pace=pace, _calls=calls, _lockstep=answers,
-            _images=images, _topics=topics, _states=(), _clock_steps=10, _free_run_periods=2,
-            _waiting=Waiting(self.simulator, images, topics, answers),
-            _stepping=Stepping(calls, self.simulator, pace),
+            _images=drawn, _topics=topics, _states=(), _clock_steps=10, _free_run_periods=2,
+            _gate=self.gate,
             _clock=SimpleNamespace(count=lambda _: None, add=lambda: None, flush=lambda: None),
-            _diagnostics=SimpleNamespace(steps=SimpleNamespace(add=lambda _: None)),
-            _show=self.count_turn)
-        monkeypatch.setattr(rospy, 'is_shutdown', lambda: self.turns > 0)
+            _diagnostics=SimpleNamespace(steps=SimpleNamespace(add=lambda _: None)))
         calls.process = lambda _: None
-
-    def count_turn(self):
-        self.turns += 1
 
     def turn(self):
         """Run the loop once; return what it did."""
-        self.turns, before = 0, self.simulator.steps
-        self.loop.spin()
-        if self.call is not None and self.call.done():
-            time_s, self.call = self.call.result(), None
-            return 'is answered at {:g} s'.format(time_s)
+        before = self.simulator.steps
+        self.loop._run_once()
+        if self.answered:
+            return 'is answered at {:g} s'.format(self.answered.pop())
         steps = self.simulator.steps - before
         return 'passes, {} ms'.format(steps) if steps else 'waits'
 
@@ -173,13 +166,14 @@ class Rig:
         FakeConnections.found = ()
 
     def pause(self):
-        self.loop._pace.pause()
+        self.gate.pause()
 
     def unpause(self):
-        self.loop._pace.unpause()
+        self.gate.unpause()
 
     def step(self):
-        self.call = self.loop._stepping._begin(STEP_S)
+        self.gate.step(self.simulator.steps + STEPS,
+                       lambda: self.answered.append(self.simulator.time_s))
 
     def reset(self):
         self.loop._reset_simulation()
@@ -193,11 +187,10 @@ class Rig:
 
 @pytest.fixture
 def make(monkeypatch, publishers, clock):
-    monkeypatch.setattr(answering_nodes, 'Connections', FakeConnections)
+    monkeypatch.setattr(lockstep, 'Connections', FakeConnections)
     monkeypatch.setattr(lockstep, 'SettledSubscriber', FakeSubscriber)
     monkeypatch.setattr(lockstep.time, 'monotonic', clock)
-    monkeypatch.setattr(stepping.rospy, 'Service', lambda *_: None)
-    monkeypatch.setattr(gazebo_node, '_POLL_PERIOD_S', 0.0)
+    monkeypatch.setattr(rospy, 'is_shutdown', lambda: True)
     monkeypatch.setattr(rospy, 'get_rostime', rospy.Time)
     for log in ('logwarn', 'loginfo'):
         monkeypatch.setattr(rospy, log, lambda *_: None)
