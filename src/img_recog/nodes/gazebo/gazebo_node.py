@@ -32,22 +32,23 @@ Reads: robot_description, NAME/robot_description, NAME/tf_prefix, ~robots, and t
 settings of the simulation as private parameters.
 """
 import time
-from typing import Sequence, Union
+from functools import partial
+from typing import Optional
 
 import cv2
 import rospy
 from diagnostic_updater import DiagnosticStatusWrapper
+from visualization_msgs.msg import MarkerArray
 
+from img_recog.conversions import plane_msgs, robot_msgs
 from img_recog.conversions.plane_msgs import PlanePose
 from img_recog.loading import assemble
 from img_recog.nodes.gazebo import model_services
 from img_recog.nodes.gazebo.clock import SimulatedClock
 from img_recog.nodes.gazebo.images import Images
-from img_recog.nodes.gazebo.link_services import LinkServices
 from img_recog.nodes.gazebo.lockstep import Lockstep, LockstepSettings
 from img_recog.nodes.gazebo.model_services import ModelServices
 from img_recog.nodes.gazebo.model_topics import WORLD_FRAME, WorldTopics
-from img_recog.nodes.gazebo.outlines import Outlines
 from img_recog.nodes.gazebo.physics_services import (RuntimeSettings, ServiceCalls,
                                                      SteppingSettings, serve_physics, serve_step)
 from img_recog.nodes.gazebo.robot_reader import (ROBOTS, RobotReader, RobotsSettings,
@@ -61,6 +62,7 @@ from img_recog.ros.diagnostics import NodeDiagnostics
 from img_recog.ros.reconfigure import Reconfigurable
 from img_recog.simulation.models import Models
 from img_recog.simulation.pacing import Pace, timeout_scale
+from img_recog.simulation.physics.footprints import footprints
 from img_recog.simulation.simulation_settings import PhysicsSettings, ViewSettings, whole_steps
 
 _POLL_PERIOD_S = 0.1
@@ -98,13 +100,14 @@ class Gazebo:
         self._gate = TimeGate(Mode.PAUSED if stepping.paused else Mode.RUNNING, self._calls.wake,
                               lockstep.lockstep_timeout if lockstep.topics else None)
         serve_physics(self._calls, {
-            'pause_physics': self._gate.pause, 'unpause_physics': self._gate.unpause,
+            'pause_physics': partial(self._gate.change, 'pause'),
+            'unpause_physics': partial(self._gate.change, 'unpause'),
             'reset_world': self._reset_world, 'reset_simulation': self._reset_simulation})
         self._lockstep = Lockstep(
             lockstep, self._gate, self._simulator) if lockstep.topics else None
         statics, models = StaticTransforms(), Models(self._simulator)
         self._images = Images(self._simulator, view, statics, self._gate, self._calls.wake,
-                              self._lockstep and self._lockstep.redelivery)
+                              None if self._lockstep is None else self._lockstep.redelivery)
         self._topics = WorldTopics(self._simulator, models, self._images, statics, self._calls,
                                    which.world_tf, self._lockstep)
         if self._lockstep is None:      # else commands come in simulated time
@@ -127,17 +130,18 @@ class Gazebo:
         self._reconfigurable = Reconfigurable(
             RuntimeSettings(physics.real_time_factor, view.view),
             lambda settings: self._calls.call(lambda: self._configure(settings)))
-        self._states: Sequence[Union[ModelServices, LinkServices]] = ()
+        self._services: Optional[ModelServices] = None
         if model_services.MISSING:
             rospy.loginfo('model_states and the services of models are not offered, because %s',
                           model_services.MISSING)
         else:
-            self._states = (
-                ModelServices(self._simulator, models, self._topics, reader, self._calls,
-                              self._pace, self._gate, lambda factor: self._reconfigurable.
-                              update_configuration({'real_time_factor': factor})),
-                LinkServices(self._simulator, models, self._calls))
-        self._outlines = Outlines(self._simulator, frame, origin)
+            self._services = ModelServices(
+                self._simulator, models, self._topics, reader, self._calls, self._pace, self._gate,
+                lambda factor: self._reconfigurable.update_configuration(
+                    {'real_time_factor': factor}))
+        self._outlines = rospy.Publisher('~world_outlines', MarkerArray, queue_size=1, latch=True)
+        self._outlines_frame = frame, origin
+        self._publish_outlines()
         self._diagnostics = SimulationDiagnostics(self._pace, self._gate, self._calls)
         self._topics.use_diagnostics(NodeDiagnostics('simulation', 'none', self._report))
         if single is None:
@@ -157,7 +161,7 @@ class Gazebo:
                 self._show()
                 self._run_once()
         finally:        # publishing fails if a topic is closed meanwhile
-            self._gate.shut_down()
+            self._gate.change('shut_down')
             self._images.close()
 
     def _run_once(self) -> None:
@@ -170,7 +174,7 @@ class Gazebo:
             self._clock.count(simulated_s)
             self._wait(self._pace.delay_s(simulated_s))
         elif self._gate.is_step_over(steps) and self._images.is_complete():
-            self._gate.end_step()
+            self._gate.change('end_step')
         else:
             self._stand()
 
@@ -208,8 +212,8 @@ class Gazebo:
             readings += self._simulator.advance(
                 min(self._clock_steps - steps % self._clock_steps, end - steps))
             self._clock.add()
-            for states in self._states:
-                states.update()
+            if self._services is not None:
+                self._services.update()
         if self._lockstep is not None:
             self._images.wait_complete()
         # the clock first, so that no reading is stamped in the future
@@ -235,9 +239,15 @@ class Gazebo:
         """Show what was added or rearranged; draw the view and the window, if they are due."""
         if self._images.update_scene():
             self._pace.disturb()
-            self._outlines.publish()
+            self._publish_outlines()
         self._images.update_view()
         self._images.update_window()
+
+    def _publish_outlines(self) -> None:
+        frame, origin = self._outlines_frame
+        self._outlines.publish(plane_msgs.outlines_to_msg(
+            footprints(self._simulator.world), origin, frame,
+            robot_msgs.stamp_of(self._simulator.time_s)))
 
     def _report(self, status: DiagnosticStatusWrapper) -> None:
         """Fill in the status of /diagnostics; runs in its thread and only reads."""
@@ -266,7 +276,7 @@ class Gazebo:
     def _reset_simulation(self) -> None:
         self._discard_commands()
         self._simulator.reset_simulation()
-        self._gate.end_step()
+        self._gate.change('end_step')
         # at once: while the physics is paused, no step publishes it
         self._clock.add()
         self._clock.flush()

@@ -1,24 +1,31 @@
 """All images of the node: of the cameras on robots, of the view, and of the window."""
+import dataclasses
 import itertools
+import math
 import threading
+import time
 from typing import Callable, Dict, List, Optional, Sequence, Tuple, Union
 
 import numpy as np
 import rospy
 from diagnostic_updater import DiagnosticStatusWrapper
+from std_msgs.msg import Header
 
+from img_recog.conversions import robot_msgs
 from img_recog.errors import UserError
 from img_recog.nodes.gazebo.camera_topics import CameraTopics, optical_transform
 from img_recog.nodes.gazebo.image_process import ImageProcess
 from img_recog.nodes.gazebo.time_gate import TimeGate, Wait
 from img_recog.nodes.gazebo.transforms import StaticTransforms
-from img_recog.nodes.gazebo.view_topic import ViewTopic
+from img_recog.rendering.camera import Camera
 from img_recog.rendering.server import Picture, Shot
+from img_recog.ros.transport.image_publisher import ImagePublisher
 from img_recog.ros.transport.redelivery import Redelivery
 from img_recog.simulation.mounted_sensors import MountedSensors, Reading
 from img_recog.simulation.pictures import visual_scene
 from img_recog.simulation.pictures.scene import poses_of, scene_of
-from img_recog.simulation.pictures.view import above
+from img_recog.simulation.pictures.view import (above, ceiling, follow, horizontal_fov,
+                                                near_and_far)
 from img_recog.simulation.pictures.visual_scene import Parts
 from img_recog.simulation.pictures.window import Window
 from img_recog.simulation.sensors import robot_camera
@@ -28,6 +35,54 @@ from img_recog.simulation.simulator import Simulator
 # Where OpenGL runs on the processor, the physics comes first; in lockstep, it waits.
 _NICENESS = 5
 _POLL_PERIOD_S = 0.1
+_VIEW_FRAME = 'view'            # not a frame of tf: the camera is not part of the robot
+
+
+class ViewTopic:
+    """Publishes ~view/image_raw (sensor_msgs/Image, rgb8) while it has a subscriber."""
+
+    def __init__(self, settings: ViewSettings, simulator: Simulator):
+        """Advertise the topic."""
+        self._settings, self._simulator = settings, simulator
+        self._above = above(simulator.world)
+        width, height = settings.view_width, settings.view_height
+        self.camera = Camera(width, height, horizontal_fov(width, height))
+        self._images = ImagePublisher('~view/image_raw')
+        self._next_s = 0.0
+
+    def configure(self, view: str) -> None:
+        """Show the simulation from another viewpoint, one of VIEWS, from now on."""
+        self._settings = dataclasses.replace(self._settings, view=view)
+        self._next_s = 0.0
+
+    def is_wanted(self) -> bool:
+        """Return whether the topic has a subscriber."""
+        return self._images.get_num_connections() > 0
+
+    def take_due(self) -> bool:
+        """Return whether it is time for an image: once in each period of wall time."""
+        now_s = time.monotonic()
+        if now_s < self._next_s:
+            return False
+        self._next_s = now_s + 1 / self._settings.view_rate
+        return True
+
+    def shot(self) -> Shot:
+        """Return what is to be drawn now."""
+        viewpoint, robots = self._above, self._simulator.robots
+        if self._settings.view == 'follow' and robots:
+            viewpoint = follow(robots[0].body.pose())
+        pose = viewpoint.pose()
+        edges = self.camera.edges
+        near, far = near_and_far(pose, (edges.right, edges.top))
+        roof = ceiling(self._simulator.world, [each.body for each in robots])
+        return Shot(self.camera._replace(near=near, far=far), pose,
+                    ceiling=roof if roof < pose[2, 3] else math.inf)
+
+    def publish(self, picture: Picture, time_s: float) -> None:
+        """Publish what was drawn at a simulated time."""
+        header = Header(stamp=robot_msgs.stamp_of(time_s), frame_id=_VIEW_FRAME)
+        self._images.publish(picture[0], 'rgb8', header)
 
 
 class Images:
@@ -60,7 +115,7 @@ class Images:
         self._skips = view.skip_images and redelivery is None
         self._revision = simulator.world.revision
         self._parts = Parts(simulator)
-        self._view = ViewTopic(view, above(simulator.world))
+        self._view = ViewTopic(view, simulator)
         scene = scene_of(simulator)
         self._window: Optional[Window] = (
             Window(scene, above(simulator.world)) if view.gui else None)
@@ -244,7 +299,7 @@ class Images:
         exposure = self._exposures
         if self._is_view_due:
             self._is_view_due = False
-            publishers, shots = [*topics, self._view], [*shots, self._view.shot(self._simulator)]
+            publishers, shots = [*topics, self._view], [*shots, self._view.shot()]
 
         def publish(pictures: Sequence[Picture]) -> None:
             if others_are_published is not None:

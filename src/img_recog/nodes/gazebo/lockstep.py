@@ -152,16 +152,16 @@ class _AnsweringNodes:
     def clear(self) -> None:
         """Forget what was sent: it is answered."""
         self._redelivery.clear()
-        self._is_renewed = False
+        self._checked_s, self._is_renewed = time.monotonic(), False
 
-    def deliver_again(self, answers: Collection[_Answers], sent_s: float) -> None:
+    def deliver_again(self, answers: Collection[_Answers]) -> None:
         """Send what was not answered to nodes that came back; to be called again and again.
 
         One that hears only from other nodes has lost what these have sent. So, after a time in
         which what is on its way can arrive, all get the message of the sensors again.
         """
         now_s, is_needed = time.monotonic(), self._redelivery.is_needed()
-        if not is_needed and now_s < max(self._checked_s, sent_s) + _CHECK_PERIOD_S:
+        if not is_needed and now_s < self._checked_s + _CHECK_PERIOD_S:
             return
         self._checked_s = now_s
         if self._is_renewed:
@@ -200,8 +200,7 @@ class Lockstep:
         self._nodes = _AnsweringNodes(self.redelivery)
         self._namespaces: Set[str] = set()      # of all robots, also of those that were removed
         self._is_due = self._is_reset = False   # commands are; the robots were, since they are
-        self._warn_of_extra, self._warn_of_nodes = ThrottledWarning(), ThrottledWarning()
-        self._warn_of_future = ThrottledWarning()
+        self._warn = ThrottledWarning()
         gate.expect(Wait.CONNECTIONS, self._answers)
 
     def subscribe_commands(self, topic: str, data_class: type,
@@ -262,7 +261,7 @@ class Lockstep:
             is_answer = answers in self._gate.awaited(Wait.ANSWERS)
             if is_answer:
                 newest = max(newest, self._stamp)
-                is_answer = (self._gate.sent_s is not None if stamp is None
+                is_answer = (self._gate.is_sent if stamp is None
                              else stamp >= self._stamp)
             was_given_up, answers.is_given_up = answers.is_given_up, False
             is_extra = stamp is None and not (
@@ -274,16 +273,16 @@ class Lockstep:
             rospy.loginfo('lockstep: %s answers on %s again: simulated time waits for it', node,
                           topic)
         if len(nodes) > 1:
-            self._warn_of_nodes(
+            self._warn(
                 'lockstep: %s publish on %s: the first message of any of them counts as the '
                 'answer; leave one', ', '.join(nodes), topic)
         elif is_extra:
-            self._warn_of_extra(
+            self._warn(
                 'lockstep: %s publishes more than one message on %s for a message of the sensors: '
                 'which one counts as the answer depends on the machine; publish one, or have time '
                 'wait for a topic whose messages have a header', node, topic)
         if stamp is not None and stamp > newest:
-            self._warn_of_future(
+            self._warn(
                 'lockstep: the answer of %s on %s has the stamp %.3f s, but it is %.3f s: give it '
                 'the stamp of the message that it answers', node, topic, stamp.to_sec(),
                 rospy.get_rostime().to_sec())
@@ -336,7 +335,7 @@ class Lockstep:
             self._give_up(late)
         missing = gate.awaited(Wait.ANSWERS)
         if missing:
-            self._nodes.deliver_again(missing, gate.sent_s or 0.0)
+            self._nodes.deliver_again(missing)
         return not missing
 
     def look_for_sensor(self) -> None:

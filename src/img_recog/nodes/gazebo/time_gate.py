@@ -22,6 +22,9 @@ class Mode(enum.Enum):
     SHUT_DOWN = 'never again'
 
 
+_NOT_PAUSED = ('the physics is not paused',
+               'call ~pause_physics first, or start with paused:=true')
+_STILL_STEPPING = 'another call of ~step has not ended', 'wait for its response'
 _STEPPING = Mode.STEP_THEN_PAUSE, Mode.STEP_THEN_RUN
 # the next mode after an event, by the mode before; in all other modes, the event changes nothing
 _TRANSITIONS = {
@@ -95,14 +98,6 @@ class TimeGate:
         """Whether time passes only by calls of ~step."""
         return self.mode in (Mode.PAUSED, Mode.STEP_THEN_PAUSE)
 
-    def pause(self) -> None:
-        """Let no time pass, apart from a call of ~step."""
-        self._change('pause')
-
-    def unpause(self) -> None:
-        """Let time pass."""
-        self._change('unpause')
-
     def step(self, end: int, end_call: Callable[[], None]) -> None:
         """Let time pass while paused.
 
@@ -114,24 +109,17 @@ class TimeGate:
             SimulationError: if time is not paused, or another call has not ended.
         """
         with self._lock:
-            if self._mode is Mode.STEP_THEN_PAUSE:
-                raise SimulationError('another call of ~step has not ended',
-                                      'wait for its response')
             if self._mode is not Mode.PAUSED:
-                raise SimulationError('the physics is not paused', 'call ~pause_physics first, or '
-                                      'start with paused:=true')
+                raise SimulationError(*(_STILL_STEPPING if self.is_paused else _NOT_PAUSED))
             self._step_end, self._end_call = end, end_call
-            self._change('step')
+            self.change('step')
 
-    def end_step(self) -> None:
-        """End the call of ~step, if there is one."""
-        self._change('end_step')
+    def change(self, event: str) -> None:
+        """Let one of the events of _TRANSITIONS happen.
 
-    def shut_down(self) -> None:
-        """Let no time pass any more, and end all waits and the call of ~step."""
-        self._change('shut_down')
-
-    def _change(self, event: str) -> None:
+        `end_step` is for when the time of the call of ~step has passed, or is reset. `shut_down`
+        ends all waits, too.
+        """
         with self._lock:
             before = self._mode
             self._mode = _TRANSITIONS[event].get(before, before)
@@ -181,10 +169,10 @@ class TimeGate:
             return set().union(*(self._awaited.get(wait, ()) for wait in waits))
 
     @property
-    def sent_s(self) -> Optional[float]:
-        """The time.monotonic() from which on the timeout counts, None before `notify_sent`."""
+    def is_sent(self) -> bool:
+        """Whether the messages to answer are sent."""
         with self._lock:
-            return self._sent_s
+            return self._sent_s is not None
 
     def overdue(self) -> Set[Any]:
         """Return the answers that have not come in time."""

@@ -4,7 +4,7 @@ from unittest import mock
 
 import pytest
 
-from img_recog.nodes.gazebo import images, view_topic
+from img_recog.nodes.gazebo import images
 from img_recog.nodes.gazebo.images import Images
 from img_recog.nodes.gazebo.time_gate import Mode, TimeGate, Wait
 from img_recog.ros.transport.redelivery import Redelivery
@@ -234,7 +234,7 @@ def test_another_scene(rig):
 
 def test_the_view_is_drawn_once_in_a_period_while_it_has_a_subscriber(
         publishers, clock, monkeypatch):
-    monkeypatch.setattr(view_topic.time, 'monotonic', clock)
+    monkeypatch.setattr(images.time, 'monotonic', clock)
     rig = Rig(publishers, view_rate=10.0)
     rig.images.update_view()
     assert not rig.process.is_started

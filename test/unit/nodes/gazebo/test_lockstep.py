@@ -11,7 +11,7 @@ from visualization_msgs.msg import Marker
 from img_recog.errors import UserError
 from img_recog.nodes.gazebo import lockstep
 from img_recog.nodes.gazebo.lockstep import Lockstep, LockstepSettings
-from img_recog.nodes.gazebo.time_gate import Mode, TimeGate, Wait
+from img_recog.nodes.gazebo.time_gate import Mode, TimeGate
 from img_recog.settings import SettingError
 from img_recog.simulation.mounted_sensors import Reading
 from img_recog.simulation.sensors.robot_camera import CAMERA
@@ -175,9 +175,9 @@ def test_a_robot_that_is_removed_does_not_answer(rig):
 def test_a_pause_is_no_time_without_an_answer(rig):
     made = rig.make('cmd_vel')
     rig.expect(made, 0.1)
-    rig.gate.pause()
+    rig.gate.change('pause')
     rig.wall_s += 100.0
-    rig.gate.unpause()
+    rig.gate.change('unpause')
     assert rig.waits(made)
     rig.wall_s += 5.0
     assert not rig.waits(made)
@@ -220,8 +220,8 @@ def test_time_begins_when_all_are_connected(rig):
     assert rig.waits(made) and rig.said == []
     rig.wall_s += 5.0
     assert rig.waits(made)
-    assert rig.said == ['simulation paused: waiting for a publisher of /cmd_vel (simulated time is '
-                        '0.000 s)']
+    assert rig.said == ['simulation paused: waiting for a publisher of /cmd_vel (simulated time '
+                        'is 0.000 s)']
     rig.unconnected = []
     assert not rig.waits(made)
 
@@ -262,7 +262,7 @@ def test_a_node_that_hears_only_from_others_and_comes_back(rig):
 
 
 @pytest.mark.parametrize('is_awaited', [True, False])
-def test_a_reset_drops_the_answer_to_what_came_before_it_and_no_other(rig, is_awaited):
+def test_a_reset_drops_only_the_answer_before_it(rig, is_awaited):
     made, dropped = rig.make('cmd_vel'), []
 
     def take():

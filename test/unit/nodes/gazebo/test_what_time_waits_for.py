@@ -117,7 +117,7 @@ class Rig:
         loop = self.loop = Gazebo.__new__(Gazebo)
         vars(loop).update(
             _simulator=self.simulator, _pace=pace, _calls=calls, _lockstep=answers,
-            _images=drawn, _topics=topics, _states=(), _clock_steps=10, _free_run_periods=2,
+            _images=drawn, _topics=topics, _services=None, _clock_steps=10, _free_run_periods=2,
             _gate=self.gate,
             _clock=SimpleNamespace(count=lambda _: None, add=lambda: None, flush=lambda: None),
             _diagnostics=SimpleNamespace(steps=SimpleNamespace(add=lambda _: None)))
@@ -166,10 +166,10 @@ class Rig:
         FakeConnections.found = ()
 
     def pause(self):
-        self.gate.pause()
+        self.gate.change('pause')
 
     def unpause(self):
-        self.gate.unpause()
+        self.gate.change('unpause')
 
     def step(self):
         self.gate.step(self.simulator.steps + STEPS,
