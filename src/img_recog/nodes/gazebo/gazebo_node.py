@@ -33,7 +33,7 @@ settings of the simulation as private parameters.
 """
 import time
 from functools import partial
-from typing import Optional
+from typing import Callable, Optional
 
 import cv2
 import rospy
@@ -65,6 +65,8 @@ from img_recog.simulation.pacing import Pace, timeout_scale
 from img_recog.simulation.physics.footprints import footprints
 from img_recog.simulation.simulation_settings import PhysicsSettings, ViewSettings, whole_steps
 
+_SETTINGS = (PhysicsSettings, ViewSettings, RobotsSettings, LockstepSettings, SteppingSettings,
+             *robot_settings_classes())
 _POLL_PERIOD_S = 0.1
 # Of simulated time, between two looks at commands and services; it takes about 1 ms. After the
 # physics, no code for messages is in the processor's cache: it gets there once in a round.
@@ -83,9 +85,7 @@ class Gazebo:
         # in lockstep, nothing is to be looked at before the next answers
         round_s = _LOCKSTEP_ROUND_S if lockstep.topics else _FREE_RUN_ROUND_S
         self._free_run_periods = max(1, round(round_s / physics.clock_period_s))
-        parameters.warn_of_unknown(PhysicsSettings, ViewSettings, RobotsSettings,
-                                   LockstepSettings, SteppingSettings,
-                                   *robot_settings_classes(), also_known=[ROBOTS[1:]])
+        parameters.warn_of_unknown(*_SETTINGS, also_known=[ROBOTS[1:]])
         reader = RobotReader(physics.step_s)
         single = None if which.several_robots else reader.single()
         built = assemble.simulator(physics, [] if single is None else [single],
@@ -102,16 +102,15 @@ class Gazebo:
         serve_physics(self._calls, {
             'pause_physics': partial(self._gate.change, 'pause'),
             'unpause_physics': partial(self._gate.change, 'unpause'),
-            'reset_world': self._reset_world, 'reset_simulation': self._reset_simulation})
-        self._lockstep = Lockstep(
-            lockstep, self._gate, self._simulator) if lockstep.topics else None
+            'reset_world': partial(self._reset, self._simulator.reset_world),
+            'reset_simulation': self._reset_simulation})
+        self._lockstep = Lockstep(lockstep, self._gate, self._simulator)
         statics, models = StaticTransforms(), Models(self._simulator)
         self._images = Images(self._simulator, view, statics, self._gate, self._calls.wake,
-                              None if self._lockstep is None else self._lockstep.redelivery)
+                              self._lockstep.redelivery)
         self._topics = WorldTopics(self._simulator, models, self._images, statics, self._calls,
                                    which.world_tf, self._lockstep)
-        if self._lockstep is None:      # else commands come in simulated time
-            self._topics.scale_timeouts(timeout_scale(physics.real_time_factor))
+        self._scale_timeouts()
         frame, origin = WORLD_FRAME, PlanePose(0.0, 0.0, 0.0)
         of_world = self._simulator.models
         if single is None:
@@ -121,12 +120,10 @@ class Gazebo:
             of_world.remove(robot)
             self._topics.connect(robot)
             frame, origin = robot.odometry.odom_frame, PlanePose(*robot.odometry_origin)
-            if self._lockstep is not None:
-                self._lockstep.check(robot.sensor_kinds)
+            self._lockstep.check(robot.sensor_kinds)
         for model in of_world:
             self._topics.connect_of_file(model)
-        if self._lockstep is not None:
-            self._lockstep.subscribe()
+        self._lockstep.subscribe()
         self._reconfigurable = Reconfigurable(
             RuntimeSettings(physics.real_time_factor, view.view),
             lambda settings: self._calls.call(lambda: self._configure(settings)))
@@ -181,7 +178,7 @@ class Gazebo:
     def _look(self) -> None:
         """Tell the gate of what can only be asked for."""
         self._images.look()
-        if self._lockstep is not None and self._lockstep.look():
+        if self._lockstep.look():
             self._images.enable_cameras()
             self._lockstep.look_for_sensor()
 
@@ -199,13 +196,12 @@ class Gazebo:
         Returns the simulated time in s: less if a step by hand or the wait for others begins.
         """
         begin_s, begin = time.perf_counter(), self._simulator.steps
-        if self._lockstep is None or self._lockstep.take_due(self._topics.discard_commands):
+        if self._lockstep.take_due(self._topics.discard_commands):
             self._topics.apply_commands()
         self._topics.disable_unused()
         self._images.enable_cameras()
-        end = self._gate.end_of((begin // self._clock_steps + periods) * self._clock_steps)
-        if self._lockstep is not None:
-            end = self._lockstep.end_of(end)
+        end = self._lockstep.end_of(self._gate.end_of(
+            (begin // self._clock_steps + periods) * self._clock_steps))
         readings = []
         while self._simulator.steps < end:
             steps = self._simulator.steps
@@ -214,12 +210,11 @@ class Gazebo:
             self._clock.add()
             if self._services is not None:
                 self._services.update()
-        if self._lockstep is not None:
+        if self._lockstep.is_on:
             self._images.wait_complete()
         # the clock first, so that no reading is stamped in the future
         self._clock.flush()
-        if self._lockstep is not None:
-            self._lockstep.expect(readings, self._topics.namespaces)
+        self._lockstep.expect(readings, self._topics.namespaces)
         self._images.draw(readings, lambda: self._topics.publish(readings))
         self._diagnostics.steps.add(
             (time.perf_counter() - begin_s) * self._clock_steps / (end - begin))
@@ -261,21 +256,19 @@ class Gazebo:
         factor = settings.real_time_factor
         if factor != self._pace.wanted:
             self._pace.set_wanted(factor)
-            if self._lockstep is None:      # else commands come in simulated time
-                self._topics.scale_timeouts(timeout_scale(factor))
+            self._scale_timeouts()
 
-    def _discard_commands(self) -> None:
+    def _scale_timeouts(self) -> None:
+        if not self._lockstep.is_on:        # else commands come in simulated time
+            self._topics.scale_timeouts(timeout_scale(self._pace.wanted))
+
+    def _reset(self, reset: Callable[[], None]) -> None:
         self._topics.discard_commands()
-        if self._lockstep is not None:
-            self._lockstep.notify_reset()
-
-    def _reset_world(self) -> None:
-        self._discard_commands()
-        self._simulator.reset_world()
+        self._lockstep.notify_reset()
+        reset()
 
     def _reset_simulation(self) -> None:
-        self._discard_commands()
-        self._simulator.reset_simulation()
+        self._reset(self._simulator.reset_simulation)
         self._gate.change('end_step')
         # at once: while the physics is paused, no step publishes it
         self._clock.add()
@@ -288,5 +281,4 @@ def main() -> int:
     cv2.setNumThreads(1)
     return lifecycle.run(
         'gazebo', lambda: Gazebo().spin(),
-        {'~': (PhysicsSettings, ViewSettings, RobotsSettings, LockstepSettings, SteppingSettings,
-               *robot_settings_classes())}, source_of_time=True)
+        {'~': _SETTINGS}, source_of_time=True)

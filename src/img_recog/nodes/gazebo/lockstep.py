@@ -5,7 +5,7 @@ import time
 from dataclasses import dataclass
 from functools import partial
 from typing import (Any, Callable, Collection, Dict, FrozenSet, List, Mapping, Optional, Sequence,
-                    Set, Tuple)
+                    Set, Tuple, Union)
 
 import rosgraph
 import rospy
@@ -78,11 +78,11 @@ class _Answers:
     def __init__(self, topic: str):
         self.topic, self.subscriber = topic, None       # type: str, Optional[SettledSubscriber]
         self.newest: Optional[rospy.Time] = None
-        self.nodes: Dict[str, None] = {}
+        self.nodes: Set[str] = set()
         self.is_given_up = False
 
     def __str__(self) -> str:
-        return ' from '.join(filter(None, (self.topic, ', '.join(self.nodes))))
+        return ' from '.join(filter(None, (self.topic, ', '.join(sorted(self.nodes)))))
 
     def publishers(self) -> Set[str]:
         """Return the names of the nodes that are connected."""
@@ -90,13 +90,14 @@ class _Answers:
 
     def add(self, node: str, stamp: Optional[rospy.Time]) -> None:
         """Note a message."""
-        self.newest, self.nodes[node] = stamp, None
+        self.newest = stamp
+        self.nodes.add(node)
         if len(self.nodes) > 1:      # some may have ended
-            self.nodes = {each: None for each in self.publishers() | {node} if each in self.nodes}
+            self.nodes &= self.publishers() | {node}
 
     def reason(self) -> str:
         """Return what there is instead of an answer."""
-        known = ', '.join(self.nodes)
+        known = ', '.join(sorted(self.nodes))
         if not self.publishers():
             return '{} is published by nobody{}'.format(
                 self.topic, ' any more (before: {})'.format(known) if known else '')
@@ -185,27 +186,35 @@ class Lockstep:
     The answers come in threads of rospy; all methods are for the loop.
 
     Attributes:
-        kinds: Kinds of the sensors.
-        redelivery: Sends their messages.
+        is_on: Whether there are such topics; otherwise time waits for no answer, and commands
+            are always due.
+        kinds: Kinds of the sensors, empty if it is not on.
+        redelivery: Sends their messages, None if it is not on.
     """
 
     def __init__(self, settings: LockstepSettings, gate: TimeGate, simulator: Simulator):
         """Have time wait until all nodes are connected."""
-        self.kinds, self.redelivery = settings.kinds, Redelivery()
+        self.is_on = bool(settings.topics)
+        self.kinds = settings.kinds if self.is_on else frozenset()
+        redelivery = Redelivery()
+        self.redelivery = redelivery if self.is_on else None
         self._settings, self._gate, self._simulator = settings, gate, simulator
         self._lock = threading.Lock()       # of the answers and of _stamp
         self._answers = {topic: _Answers(topic) for topic in settings.topics}
         self._stamp = rospy.Time()          # of the messages to answer
         self._commands: Dict[str, SettledSubscriber] = {}
-        self._nodes = _AnsweringNodes(self.redelivery)
+        self._nodes = _AnsweringNodes(redelivery)
         self._namespaces: Set[str] = set()      # of all robots, also of those that were removed
         self._is_due = self._is_reset = False   # commands are; the robots were, since they are
         self._warn = ThrottledWarning()
         gate.expect(Wait.CONNECTIONS, self._answers)
 
     def subscribe_commands(self, topic: str, data_class: type,
-                           keep: Callable[[Any], None]) -> SettledSubscriber:
+                           keep: Callable[[Any], None]
+                           ) -> Union[SettledSubscriber, rospy.Subscriber]:
         """Subscribe to the commands of a robot, which may be answers; `keep` stores one."""
+        if not self.is_on:
+            return rospy.Subscriber(topic, data_class, keep, queue_size=10, tcp_nodelay=True)
         name = rospy.resolve_name(topic)
         answers = self._answers.get(name)
 
@@ -233,7 +242,7 @@ class Lockstep:
 
     def check(self, kinds: Collection[str]) -> None:
         """Raise SimulationError if a robot with sensors of these kinds has none to answer."""
-        if not self.kinds & set(kinds):
+        if self.is_on and not self.kinds & set(kinds):
             raise SimulationError(
                 'lockstep waits for answers to {}, but the robot has no such sensor'.format(
                     self._settings.lockstep_sensors),
@@ -323,7 +332,7 @@ class Lockstep:
         Raises UserError when no answer came in time and lockstep_at_timeout is end.
         """
         gate, answers = self._gate, self._answers.values()
-        if gate.awaited(Wait.LOADING, Wait.IMAGES):
+        if not self.is_on or gate.awaited(Wait.LOADING, Wait.IMAGES):
             return False
         gate.notify_sent()      # also of images that can never be drawn
         if gate.awaited(Wait.CONNECTIONS):
@@ -355,7 +364,7 @@ class Lockstep:
         `discard` drops them.
         """
         if not self._is_due:
-            return False
+            return not self.is_on
         end_s = time.monotonic() + _MAX_SETTLING_S
         while (not all(each.is_settled() for each in self._commands.values())
                and time.monotonic() < end_s):

@@ -99,20 +99,19 @@ class Rig:
         self.answered = []
         pace, calls = Pace(0.0), ServiceCalls()
         self.gate = TimeGate(Mode.RUNNING, calls.wake, TIMEOUT_S if kinds else None)
-        answers = Lockstep(LockstepSettings('r/cmd_vel', kinds, TIMEOUT_S), self.gate,
-                           self.simulator) if kinds else None
+        answers = Lockstep(LockstepSettings('r/cmd_vel', kinds, TIMEOUT_S) if kinds
+                           else LockstepSettings(), self.gate, self.simulator)
         self.process = FakeProcess()
         monkeypatch.setattr(images, 'ImageProcess', lambda *_: self.process)
         drawn = Images(self.simulator, ViewSettings(), SimpleNamespace(set=lambda *_: None),
-                       self.gate, calls.wake, answers and answers.redelivery)
+                       self.gate, calls.wake, answers.redelivery)
         topics = SimpleNamespace(namespaces=lambda *_: ['r'], publish=lambda *_: None, **{
             name: lambda: None for name in ('apply_commands', 'disable_unused',
                                             'discard_commands')})
         mounted, = self.simulator.robots[0].sensors
         drawn.add_cameras(mounted)
-        if answers:
-            answers.subscribe_commands('r/cmd_vel', Twist, lambda _: None)
-            answers.subscribe()
+        answers.subscribe_commands('r/cmd_vel', Twist, lambda _: None)
+        answers.subscribe()
         publishers['eye/image'].subscribers = 1
         loop = self.loop = Gazebo.__new__(Gazebo)
         vars(loop).update(
@@ -179,7 +178,7 @@ class Rig:
         self.loop._reset_simulation()
 
     def reset_world(self):
-        self.loop._reset_world()
+        self.loop._reset(self.simulator.reset_world)
 
     def remove_robot(self):
         self.loop._lockstep.forget('r')
@@ -191,6 +190,7 @@ def make(monkeypatch, publishers, clock):
     monkeypatch.setattr(lockstep, 'SettledSubscriber', FakeSubscriber)
     monkeypatch.setattr(lockstep.time, 'monotonic', clock)
     monkeypatch.setattr(rospy, 'is_shutdown', lambda: True)
+    monkeypatch.setattr(rospy, 'Subscriber', lambda *_, **__: None)
     monkeypatch.setattr(rospy, 'get_rostime', rospy.Time)
     for log in ('logwarn', 'loginfo'):
         monkeypatch.setattr(rospy, log, lambda *_: None)
