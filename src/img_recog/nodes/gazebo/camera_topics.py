@@ -130,9 +130,8 @@ class CameraTopics:
         """End the topics."""
         with self._lock:
             self._is_closed = True
-        self._images.unregister()
         self._compressed.close()
-        for each in (self._depths, self._points, *self._infos):
+        for each in (self._images, self._depths, self._points, *self._infos):
             if each is not None:
                 each.unregister()
 

@@ -131,7 +131,6 @@ class RobotTopics(ModelTopics):
         self._transform = TransformStamped(child_frame_id=names.frame(robot.odometry.base_frame))
         self._pose_topic = rospy.resolve_name('~' + names.topic('set_pose'))
         self._odom_frame = names.frame(robot.odometry.odom_frame)
-        self._warn_of_pose = ThrottledWarning()
         self._is_closed = False
         command_type = TwistStamped if robot.settings.drive.stamped_commands else Twist
         self._subscribers = [rospy.Subscriber(self._pose_topic, PoseStamped, self._set_pose,
@@ -159,7 +158,7 @@ class RobotTopics(ModelTopics):
             pose = plane_msgs.pose_from_msg(msg)
             self._calls.call(lambda: self._move(pose, frame == self._odom_frame))
         except (PoseError, SimulationError) as error:
-            self._warn_of_pose('ignored a message on %s: %s', self._pose_topic, error)
+            self._warn('ignored a message on %s: %s', self._pose_topic, error)
 
     def _move(self, pose: PlanePose, is_in_odometry: bool) -> None:
         if not self._is_closed:

@@ -9,7 +9,7 @@ import rospy
 from std_srvs.srv import Empty, EmptyResponse, Trigger, TriggerRequest, TriggerResponse
 
 from img_recog.errors import SimulationError, UserError, one_line
-from img_recog.nodes.gazebo.time_gate import TimeGate
+from img_recog.nodes.gazebo.time_gate import Mode, TimeGate
 from img_recog.ros import parameters
 from img_recog.ros.diagnostics import EventCounter
 from img_recog.ros.queues import CallQueue
@@ -97,7 +97,7 @@ def serve_step(calls: ServiceCalls, simulator: Simulator, gate: TimeGate) -> Non
         except UserError as error:
             return TriggerResponse(False, one_line(error))
         time_s = done.result()
-        if rospy.is_shutdown():
+        if gate.mode is Mode.SHUT_DOWN:
             raise rospy.ServiceException('the node ends')
         return TriggerResponse(True, 'simulated time is {:.3f} s'.format(time_s))
     rospy.Service('~step', Trigger, handle)
