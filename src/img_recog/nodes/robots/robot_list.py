@@ -70,21 +70,16 @@ class RobotRow(NamedTuple):
     colors: Optional[Dict[str, Any]] = None
 
 
-class Problem(NamedTuple):
-    """Why a robot cannot be. name: its own, or its place in the list."""
-
-    name: str
-    reason: str
-
-    def __str__(self) -> str:
-        return '{}: {}'.format(*self)
-
-
 class RobotList(NamedTuple):
-    """The robots, and those that cannot be."""
+    """A list of robots.
+
+    Attributes:
+        robots: Robots that can be.
+        problems: Why the others cannot be, by name, or by position for a robot without a name.
+    """
 
     robots: List[RobotRow]
-    problems: List[Problem]
+    problems: Dict[str, str]
 
 
 def read_robots(robots: str, defaults: Mapping[str, Any],
@@ -106,7 +101,7 @@ def read_robots(robots: str, defaults: Mapping[str, Any],
             'robots: got {}, allowed is a number from 1 to {}, or the path of a YAML file'.format(
                 shortened(text), MAX_ROBOTS))
     nodes = from_mapping(NodeSettings, defaults)
-    return RobotList([RobotRow(_NAME.format(number), nodes, {}) for number in range(count)], [])
+    return RobotList([RobotRow(_NAME.format(number), nodes, {}) for number in range(count)], {})
 
 
 def _from_file(path: str, defaults: Mapping[str, Any],
@@ -120,7 +115,7 @@ def _from_file(path: str, defaults: Mapping[str, Any],
         raise RobotListError('robots: {}: got {}, expected a list of 1 to {} robots, each like '
                              '- name: tb3_0'.format(path, _described(entries), MAX_ROBOTS))
     robots: List[RobotRow] = []
-    problems: List[Problem] = []
+    problems: Dict[str, str] = {}
     used: List[str] = []        # also by those that cannot be
     for number, entry in enumerate(entries, 1):
         label = 'robot {} of the list'.format(number)
@@ -129,7 +124,7 @@ def _from_file(path: str, defaults: Mapping[str, Any],
             used.append(label)
             robots.append(_robot(label, entry, defaults, os.path.dirname(path), find))
         except UserError as error:
-            problems.append(Problem(label, one_line(error)))
+            problems[label] = one_line(error)
     return RobotList(robots, problems)
 
 
