@@ -203,6 +203,8 @@ class Images:
 
     def look(self) -> None:
         """Tell the gate whether the world is loaded, and of images that can never be drawn."""
+        if not self._gate.holds(Wait.LOADING):
+            return      # the process is started when an image is wanted
         self._gate.expect(Wait.LOADING, ['it'] if self._is_loading() else ())
         unpublished = self._gate.awaited(Wait.IMAGES)
         if unpublished and self._cannot_draw():

@@ -139,12 +139,16 @@ class TimeGate:
         """
         with self._lock:
             self._awaited.pop(wait, None)
-            is_held = self._timeout_s is not None or (
-                wait is Wait.LOADING and self._passed_s is None)
-            if what and is_held and self._mode is not Mode.SHUT_DOWN:
+            if what and self.holds(wait):
                 self._awaited[wait] = set(what)
             if wait is Wait.ANSWERS:
                 self._sent_s = None
+
+    def holds(self, wait: Wait) -> bool:
+        """Return whether time would wait, if such a wait began now."""
+        with self._lock:
+            return self._mode is not Mode.SHUT_DOWN and (self._timeout_s is not None or (
+                wait is Wait.LOADING and self._passed_s is None))
 
     def notify_sent(self) -> None:
         """Call before the messages to answer are sent; later calls change nothing."""

@@ -157,6 +157,19 @@ def test_images_are_drawn_before_their_publication_is_complete(publishers):
     assert seen == [(True, False)] and state() == (True, True)
 
 
+@pytest.mark.parametrize('redelivery, is_started', [(None, False), (Redelivery(), True)])
+def test_world_is_loaded_again_at_once_only_in_lockstep(publishers, redelivery, is_started):
+    rig = Rig(publishers, redelivery)
+    for has_passed in (False, True):
+        rig.process.is_started = False
+        rig.images.look()
+        assert rig.process.is_started == (is_started or not has_passed)
+        rig.process.is_ready = True
+        rig.images.look()
+        assert rig.gate.may_pass(0)
+        rig.process.is_ready = False        # it was killed
+
+
 def test_an_image_is_drawn_while_others_are_published_and_follows_them(watched, publishers):
     order = []
     publishers['eye/image'].publish = lambda *_: order.append('image')
