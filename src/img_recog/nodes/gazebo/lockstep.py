@@ -308,7 +308,7 @@ class Lockstep:
             namespaces: Function that returns the namespaces of the robots with some names, or of
                 all.
         """
-        answered = [each for each in readings if each.kind in self.kinds]
+        answered = self.is_on and [each for each in readings if each.kind in self.kinds]
         if not answered:
             return
         self._is_due = True
@@ -354,7 +354,7 @@ class Lockstep:
 
     def end_of(self, end: int) -> int:
         """Return the step at which to stop, at most `end`: where answers are expected."""
-        step = self._simulator.next_reading(self.kinds)
+        step = self._simulator.next_reading(self.kinds) if self.is_on else None
         return end if step is None else min(end, step)
 
     def take_due(self, discard: Callable[[], None]) -> bool:

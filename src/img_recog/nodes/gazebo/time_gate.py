@@ -79,8 +79,10 @@ class TimeGate:
         """
         self._lock = threading.RLock()
         self._mode, self._wake, self._timeout_s = mode, wake, timeout_s
+        # steps of the physics at which time stops in this mode, and at which a call of ~step ends
+        self._end = math.inf if mode is Mode.RUNNING else 0
+        self._step_end, self._end_call = 0, _do_nothing
         self._awaited: Dict[Wait, Set[Any]] = {}
-        self._step_end, self._end_call = 0, _do_nothing     # of the call of ~step
         # by time.monotonic(): the last time at which time could pass, None before the first; when
         # the messages to answer were sent, or a pause after that ended; and the last report
         self._passed_s: Optional[float] = None
@@ -123,6 +125,8 @@ class TimeGate:
         with self._lock:
             before = self._mode
             self._mode = _TRANSITIONS[event].get(before, before)
+            self._end = math.inf if self._mode is Mode.RUNNING else (
+                self._step_end if self._mode in _STEPPING else 0)
             if before is Mode.PAUSED and self._sent_s is not None:
                 self._sent_s = time.monotonic()     # a pause does not count for the timeout
             if self._mode is Mode.SHUT_DOWN:
@@ -188,7 +192,7 @@ class TimeGate:
     def may_pass(self, steps: int) -> bool:
         """Return whether time may pass now, which is `steps` steps of the physics."""
         with self._lock:
-            may_pass = not self._awaited and steps < self._end()
+            may_pass = not self._awaited and steps < self._end
             if may_pass:
                 self._passed_s = time.monotonic()
             return may_pass
@@ -196,17 +200,12 @@ class TimeGate:
     def end_of(self, end: int) -> int:
         """Return the step of the physics at which time must stop, at most `end`."""
         with self._lock:
-            return int(min(end, self._end()))
+            return int(min(end, self._end))
 
     def is_step_over(self, steps: int) -> bool:
         """Return whether the time of a call of ~step has passed, and nothing is awaited."""
         with self._lock:
             return self._mode in _STEPPING and steps >= self._step_end and not self._awaited
-
-    def _end(self) -> float:
-        if self._mode in _STEPPING:
-            return self._step_end
-        return math.inf if self._mode is Mode.RUNNING else 0.0
 
     def report(self, time_s: float) -> None:
         """Log what is awaited, at most every 5 s of wall time; time_s: the simulated time."""
