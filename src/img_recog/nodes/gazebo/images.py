@@ -205,7 +205,7 @@ class Images:
         """Tell the gate whether the world is loaded, and of images that can never be drawn."""
         if not self._gate.holds(Wait.LOADING):
             return      # the process is started when an image is wanted
-        self._gate.expect(Wait.LOADING, ['it'] if self._is_loading() else ())
+        self._gate.expect(Wait.LOADING, ['the world'] if self._is_loading() else ())
         unpublished = self._gate.awaited(Wait.IMAGES)
         if unpublished and self._cannot_draw():
             self._gate.end(Wait.IMAGES, *unpublished)
@@ -254,26 +254,14 @@ class Images:
             # of this one alone: an earlier one may be published while this one waits for it
             others_are_published = threading.Event()
             try:
-                self._expose(exposures[0], others_are_published)
+                self._draw(exposures[0], others_are_published)
                 publish_others()        # while the images are drawn
             finally:
                 others_are_published.set()
         else:
             publish_others()
             for exposed in exposures:
-                self._expose(exposed)
-
-    def _expose(self, readings: Sequence[Reading],
-                others_are_published: Optional[threading.Event] = None) -> None:
-        """Draw what cameras have read at one time; it is published after the others."""
-        if self._skips and self._process.is_busy:
-            return
-        topics = [self._cameras[each.robot, each.sensor][1] for each in readings]
-        shots = [camera.shot(each.value) for camera, each in zip(topics, readings)]
-        self._exposures += 1
-        self._gate.expect(Wait.IMAGES, [self._exposures])
-        self._draw(topics, shots, readings[0].value.poses, readings[0].time_s,
-                   others_are_published)
+                self._draw(exposed)
 
     def update_view(self) -> None:
         """Draw the view, if it is time for an image of it and nothing else is drawn."""
@@ -283,7 +271,7 @@ class Images:
         if self._process.is_ready and self._view.take_due():
             self._is_view_due = True
             if self.is_complete() and not self._process.is_busy:
-                self._draw([], [], self._parts.poses(), self._simulator.time_s)
+                self._draw([])
 
     def update_window(self) -> None:
         """Send the poses to the window, if there is one and it needs new ones."""
@@ -294,29 +282,39 @@ class Images:
             rospy.logwarn('no window: %s; the simulation goes on without it', reason)
             self._window = None
 
-    def _draw(self, topics: Sequence[CameraTopics], shots: Sequence[Shot], poses: np.ndarray,
-              time_s: float, others_are_published: Optional[threading.Event] = None) -> None:
-        """Draw what cameras have read, with the view if it is due."""
-        publishers: List[Union[CameraTopics, ViewTopic]] = list(topics)
+    def _draw(self, readings: Sequence[Reading],
+              others_are_published: Optional[threading.Event] = None) -> None:
+        """Draw what cameras have read at one time, or nothing, with the view if it is due."""
+        time_s = readings[0].time_s if readings else self._simulator.time_s
+        if readings:
+            if self._skips and self._process.is_busy:
+                return
+            self._exposures += 1
+            self._gate.expect(Wait.IMAGES, [self._exposures])
         exposure = self._exposures
+        cameras = [self._cameras[each.robot, each.sensor][1] for each in readings]
+        publishers: List[Union[CameraTopics, ViewTopic]] = list(cameras)
+        shots = [camera.shot(each.value) for camera, each in zip(cameras, readings)]
         if self._is_view_due:
             self._is_view_due = False
-            publishers, shots = [*topics, self._view], [*shots, self._view.shot()]
+            publishers.append(self._view)
+            shots.append(self._view.shot())
 
         def publish(pictures: Sequence[Picture]) -> None:
             if others_are_published is not None:
                 others_are_published.wait()
-            if topics:
+            if readings:
                 self._gate.notify_sent()
                 self._gate.end(Wait.IMAGES, exposure)
             for each, picture in zip(publishers, pictures):
                 each.publish(picture, time_s)
-            if topics:
+            if readings:
                 with self._publication:
                     self._published = exposure
                     self._publication.notify()
                 self._wake()
-        self._process.draw(shots, poses, publish)
+        self._process.draw(
+            shots, readings[0].value.poses if readings else self._parts.poses(), publish)
 
     def set_view(self, view: str) -> None:
         """Show the view from another viewpoint, one of VIEWS."""

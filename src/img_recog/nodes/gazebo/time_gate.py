@@ -56,7 +56,7 @@ class Wait(enum.Enum):
     ===========  ===============================  ============================================
     """
 
-    LOADING = 'the process that draws to load the world'
+    LOADING = 'the process that draws to load {}'
     IMAGES = 'the process that draws to draw the images of the cameras'
     CONNECTIONS = '{}'
     SENSOR = 'a sensor of the kind {}; no robot has one, or no node subscribes to the images'

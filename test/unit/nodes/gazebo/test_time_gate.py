@@ -177,7 +177,7 @@ def test_the_timeout_counts_from_when_all_is_sent_and_not_while_paused(rig):
 
 
 @pytest.mark.parametrize('wait, what, line', [
-    (Wait.LOADING, [1], 'the process that draws to load the world'),
+    (Wait.LOADING, ['the world'], 'the process that draws to load the world'),
     (Wait.IMAGES, [7], 'the process that draws to draw the images of the cameras'),
     (Wait.CONNECTIONS, ['a publisher of /b', 'a publisher of /a'],
      'a publisher of /a; a publisher of /b'),
