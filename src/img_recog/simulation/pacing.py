@@ -1,7 +1,7 @@
 """How fast simulated time passes: pacing by real time, and the measured factor."""
 import math
 import time
-from typing import Callable, Optional
+from typing import Optional
 
 _MAX_DELAY_S = 0.5          # of wall time: a longer delay is not caught up with
 _MEASURING_PERIOD_S = 1.0
@@ -22,10 +22,9 @@ class Pace:
         measured: The same as it was last, 0 before the first second.
     """
 
-    def __init__(self, real_time_factor: float, now: Callable[[], float] = time.monotonic):
+    def __init__(self, real_time_factor: float):
         self.measured = 0.0
-        self._now = now
-        self._since_s, self._simulated_s = now(), 0.0
+        self._since_s, self._simulated_s = time.monotonic(), 0.0
         self._row = 0       # measurements in a row that were too slow; negative: that were not
         self._reported_s, self._reported = -math.inf, math.inf
         self.set_wanted(real_time_factor)
@@ -37,7 +36,7 @@ class Pace:
 
     def restart(self) -> None:
         """Start from now, as after a pause: the time until now is not caught up with."""
-        self._due_s = self._now()
+        self._due_s = time.monotonic()
         self.disturb()
 
     def disturb(self) -> None:
@@ -49,19 +48,19 @@ class Pace:
         if self.wanted == 0:
             return 0.0
         self._due_s += simulated_s / self.wanted
-        delay_s = self._due_s - self._now()
+        delay_s = self._due_s - time.monotonic()
         if delay_s < -_MAX_DELAY_S:
-            self._due_s = self._now()
+            self._due_s = time.monotonic()
         return max(0.0, delay_s)
 
     def measure(self, simulated_s: float) -> Optional[float]:
         """Count simulated time; return the factor once a second, else None."""
         self._simulated_s += simulated_s
-        passed_s = self._now() - self._since_s
+        passed_s = time.monotonic() - self._since_s
         if passed_s < _MEASURING_PERIOD_S:
             return None
         self.measured = self._simulated_s / passed_s
-        self._since_s, self._simulated_s = self._now(), 0.0
+        self._since_s, self._simulated_s = time.monotonic(), 0.0
         is_slow = self.measured < _MIN_SHARE * self.wanted and not self._is_disturbed
         self._row = max(0, self._row) + 1 if is_slow else (
             0 if self._is_disturbed else min(0, self._row) - 1)
@@ -73,7 +72,7 @@ class Pace:
 
         It is too slow at first, when it gets worse, and rarely.
         """
-        now_s = self._now()
+        now_s = time.monotonic()
         if self._row >= _SLOW_COUNT and (now_s >= self._reported_s + _REPORT_PERIOD_S
                                          or self.measured <= _WORSE * self._reported):
             self._reported_s, self._reported = now_s, self.measured

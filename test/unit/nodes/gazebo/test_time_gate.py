@@ -107,7 +107,7 @@ def test_how_far_time_passes_in_each_mode(rig, mode, may_pass, end, is_over):
 
 
 @pytest.mark.parametrize('wait, mode', itertools.product(Wait, (STEP_THEN_PAUSE, RUNNING)))
-def test_each_wait_holds_time_until_all_that_it_expects_has_come(rig, wait, mode):
+def test_each_wait_holds_time_until_it_ends(rig, wait, mode):
     for each in MODES[mode]:
         rig.do(each)
     rig.gate.expect(wait, ['a', 'b'])
@@ -136,7 +136,7 @@ def test_only_the_last_wait_wakes_the_loop(rig):
     assert rig.woken == 1
 
 
-def test_time_without_lockstep_waits_only_for_the_world_at_the_start(make):
+def test_free_run_waits_only_for_the_world(make):
     rig = make(is_lockstep=False)
     for wait in Wait:
         rig.gate.expect(wait, ['a'])
@@ -154,7 +154,7 @@ def test_time_without_lockstep_waits_only_for_the_world_at_the_start(make):
     assert rig.gate.may_pass(HERE)
 
 
-def test_the_timeout_counts_from_when_all_is_sent_and_not_while_paused(rig):
+def test_timeout_counts_from_sending_without_pauses(rig):
     gate = rig.gate
     gate.expect(Wait.ANSWERS, ['a', 'b'])
     rig.now_s += 100.0
@@ -184,7 +184,7 @@ def test_the_timeout_counts_from_when_all_is_sent_and_not_while_paused(rig):
     (Wait.SENSOR, ['image'], 'a sensor of the kind image; no robot has one, or no node subscribes '
      'to the images'),
     (Wait.ANSWERS, ['/cmd_vel from /my_node'], 'a message on /cmd_vel from /my_node')])
-def test_what_is_awaited_is_logged_rarely(rig, wait, what, line):
+def test_awaited_things_are_logged_every_5_s(rig, wait, what, line):
     def say():
         rig.gate.report(1.5)
         found, rig.said = rig.said, []
@@ -228,7 +228,7 @@ class Model:
 
 @settings(max_examples=200, deadline=None, derandomize=True)
 @given(is_lockstep=st.booleans(), events=st.lists(EVENTS, max_size=40))
-def test_time_passes_exactly_when_it_may_after_any_events(is_lockstep, events):
+def test_time_passes_exactly_when_it_may(is_lockstep, events):
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(rospy, 'logwarn', lambda *_: None)
         now = [1000.0]
