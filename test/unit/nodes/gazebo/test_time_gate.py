@@ -205,6 +205,19 @@ def test_awaited_things_are_logged_every_5_s(rig, wait, what, line):
     assert say() == []
 
 
+def test_pause_delays_the_line_about_answers(rig):
+    rig.gate.expect(Wait.ANSWERS, ['a'])
+    rig.gate.notify_sent()
+    rig.do('pause')
+    rig.now_s += 100.0
+    rig.do('unpause')
+    rig.gate.report(1.0)
+    assert rig.said == []
+    rig.now_s += REPORT_S
+    rig.gate.report(1.0)
+    assert len(rig.said) == 1
+
+
 EVENTS = st.one_of(
     st.sampled_from(['pause', 'unpause', 'step', 'end_step', 'notify_sent', 'give_up', 'pass']),
     st.tuples(st.just('expect'), st.sampled_from(Wait), st.sets(st.sampled_from('abc'))),
