@@ -13,7 +13,7 @@ import functools
 import math
 import time
 from dataclasses import dataclass
-from typing import Any, Dict, Iterable, List
+from typing import Dict, Iterable, List
 
 import rospy
 from roslaunch import RLException
