@@ -78,7 +78,8 @@ class _Answers:
     def __init__(self, topic: str):
         self.topic, self.subscriber = topic, None       # type: str, Optional[SettledSubscriber]
         self.newest: Optional[rospy.Time] = None
-        self.nodes: Set[str] = set()
+        # replaced as a whole: the gate reads it for the log without the lock
+        self.nodes: FrozenSet[str] = frozenset()
         self.is_given_up = False
 
     def __str__(self) -> str:
@@ -90,10 +91,9 @@ class _Answers:
 
     def add(self, node: str, stamp: Optional[rospy.Time]) -> None:
         """Note a message."""
-        self.newest = stamp
-        self.nodes.add(node)
-        if len(self.nodes) > 1:      # some may have ended
-            self.nodes &= self.publishers() | {node}
+        self.newest, nodes = stamp, self.nodes | {node}
+        # if there are several, some may have ended
+        self.nodes = nodes & (self.publishers() | {node}) if len(nodes) > 1 else nodes
 
     def reason(self) -> str:
         """Return what there is instead of an answer."""
