@@ -113,7 +113,7 @@ class WorldFile(NamedTuple):
     has_floor: bool = True
     camera: Optional[Transform] = None
     findings: Tuple[Finding, ...] = ()
-    sdf_links: Tuple[Light, ...] = (SUN,)
+    lights: Tuple[Light, ...] = (SUN,)
     surroundings: Surroundings = Surroundings()
 
 

@@ -68,14 +68,14 @@ def _fog(scene: ElementTree.Element) -> Optional[Fog]:
         value(scene, 'fog/' + tag) for tag in ('start', 'end', 'density')))
 
 
-def of_surface(collision: ElementTree.Element, link: str) -> Optional[Friction]:
+def friction_of(collision: ElementTree.Element, link: str) -> Optional[Friction]:
     """Return the friction of a <collision> of a link, in the frame of the collision; None without.
     """
     ode = collision.find('surface/friction/ode')
-    return None if ode is None else of_texts(ode.findtext, link, 'mu')
+    return None if ode is None else friction_of_texts(ode.findtext, link, 'mu')
 
 
-def of_texts(text_of: TextOf, link: str, mu: str) -> Optional[Friction]:
+def friction_of_texts(text_of: TextOf, link: str, mu: str) -> Optional[Friction]:
     """Return the friction of elements, None if none of them is given.
 
     text_of: returns the text of an element, None without; mu: the element of the first

@@ -166,7 +166,7 @@ class _Builder:
                 solid = sdf_links.solid(collision, IDENTITY, self._find)
                 with self._report.left_out():
                     solid = solid._replace(
-                        friction=sdf_links.of_surface(collision, link.name),
+                        friction=sdf_links.friction_of(collision, link.name),
                         contact=sdf_links.contact_of(collision, link.name, lambda _: None))
                 solid = solid.moved(scope.pose(collision))
                 if solid.shape.kind in (HEIGHTMAP, PLANE):

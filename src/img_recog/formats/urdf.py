@@ -132,7 +132,7 @@ class Links:
                friction: Optional[Friction]) -> Solid:
         if friction is None:
             # Gazebo reads it only in an SDF: who writes it here means it for all directions
-            friction = sdf_links.of_surface(element, link)
+            friction = sdf_links.friction_of(element, link)
             if friction is not None and element.find('surface/friction/ode/mu2') is None:
                 friction = Friction(friction.mu)
         bitmasks = [bitmask(collision) for tag in self._tags_of(link)
@@ -159,8 +159,8 @@ class Links:
         or that of a collision there, else PyBullet's <lateral_friction>; None without.
         """
         name = name_of(link)
-        found = [sdf_links.of_texts(self._text_of_tags(name), name, 'mu1'),
-                 *(sdf_links.of_surface(collision, name)
+        found = [sdf_links.friction_of_texts(self._text_of_tags(name), name, 'mu1'),
+                 *(sdf_links.friction_of(collision, name)
                    for tag in self._tags_of(name) for collision in tag.findall('collision'))]
         of_link = link.find('contact/lateral_friction')
         if of_link is not None:
