@@ -80,7 +80,10 @@ class _Line(Log):
 
 
 class RecurringLine:
-    """Writes lines of one place to the log file and to /rosout, but not to the terminal.
+    """Writes lines of one place to /rosout, and later to the log file and maybe to the terminal.
+
+    Writing to the log file takes several times as long as sending. So what comes after the line
+    can be sent between the two, and the line is still the first.
 
     Between two frames, the code and data of Python's logging leave the cache of the processor. So
     the record and the message are made once: with new ones each time, a frame of color_extract
@@ -93,8 +96,9 @@ class RecurringLine:
         self._msg = _Line(level=Log.INFO, name=rospy.get_name())
         self._names_topics = not parameters.log_topics_are_left_out()
 
-    def write(self, text: str) -> None:
-        """Write a line; to be called from one place in a method."""
+    def send(self, text: str) -> None:
+        """Send a line to /rosout, with the time of now; to be called from one place in a method.
+        """
         if not self._logger.isEnabledFor(logging.INFO):
             return
         if self._record is None:
@@ -102,9 +106,6 @@ class RecurringLine:
         record, msg = self._record, self._msg
         record.msg, record.created = text, time.time()
         record.msecs = int(1000 * (record.created % 1))
-        for handler in logging.getLogger().handlers:
-            if record.levelno >= handler.level:
-                handler.handle(record)
         msg.header.stamp = rospy.Time.now()
         topics = registration.get_topic_manager().get_topics()
         if self._names_topics and topics != msg.topics:
@@ -112,6 +113,23 @@ class RecurringLine:
         msg.msg = text
         with contextlib.suppress(rospy.ROSException):       # the topic is closed at the shutdown
             rosout._rosout_pub.publish(msg)
+
+    def write(self, on_terminal: bool) -> None:
+        """Write the line that was sent last to the log file.
+
+        Args:
+            on_terminal: Whether to write it to the terminal, too.
+        """
+        record = self._record
+        if record is None or not self._logger.isEnabledFor(logging.INFO):
+            return
+        handlers = list(logging.getLogger().handlers)
+        if on_terminal:
+            handlers += [each for each in self._logger.handlers
+                         if not isinstance(each, rosout.RosOutHandler)]
+        for handler in handlers:
+            if record.levelno >= handler.level:
+                handler.handle(record)
 
     def _record_of(self, place: FrameType) -> logging.LogRecord:
         """Return a record that names a place in the code as rosgraph's logger does."""

@@ -63,8 +63,12 @@ class Node:
         self.line = RecurringLine()
         logging.getLogger().handlers[1:] = []       # pytest's
 
+    def send(self, text):
+        self.line.send(text)
+
     def handle(self, text):
-        self.line.write(text)
+        self.line.send(text)
+        self.line.write(on_terminal=False)
 
     def log(self, text):
         rospy.loginfo('%s', text)
@@ -84,6 +88,20 @@ def test_lines_are_those_of_loginfo_but_not_on_the_terminal(setup, text):
     assert (ours.function, ours.file) == ('Node.handle', 'test_recurring_line.py')
     theirs.function, theirs.line = ours.function, ours.line
     assert ours == theirs and ours.header.stamp == rospy.Time(5, 7) and ours.header.seq == 3
+
+
+def test_a_line_is_sent_before_it_is_written(setup):
+    node = Node()
+    node.send('a line')
+    assert [msg.msg for msg in setup.sent] == ['a line'] and setup.written() == ''
+    node.line.write(on_terminal=True)
+    assert setup.written().endswith(': a line\n') and len(setup.sent) == 1
+    assert re.fullmatch(r'\[INFO\] \[[0-9.]+(, [0-9.]+)?\]: a line\n', setup.terminal.getvalue())
+
+
+def test_a_line_that_was_not_sent_is_not_written(setup):
+    RecurringLine().write(on_terminal=True)
+    assert setup.written() == setup.terminal.getvalue() == ''
 
 
 def test_the_time_is_that_of_the_line(setup, monkeypatch):
