@@ -3,9 +3,9 @@
 Subscribes to usb_cam/image_raw (sensor_msgs/Image, any encoding that cv_bridge converts to bgr8)
 or, if ~image_transport is compressed, to usb_cam/image_raw/compressed
 (sensor_msgs/CompressedImage).
-Publishes for each processed frame: a line with the areas on /rosout, then cmd_vel
-(geometry_msgs/Twist, one message for each color above its area limit: linear.x 10 m/s for blue,
-then -10 m/s for red), then blue_image and red_image
+Publishes for each processed frame: cmd_vel (geometry_msgs/Twist, one message for each color above
+its area limit: linear.x 10 m/s for blue, then -10 m/s for red); a line with the areas on /rosout,
+whose time is before the commands; then blue_image and red_image
 (sensor_msgs/Image, bgr8, with the header of the frame: the frame with all other pixels black).
 Only if there are subscribers: color_detection (sensor_msgs/PointCloud: areas and centroids) and
 color_overlay (sensor_msgs/Image, bgr8: the frame with outlines and commands). ~processed
@@ -324,14 +324,15 @@ class ColorExtract:
             self._warn('frame skipped: %s', error)
             return
         commands = self._commander.decide(areas_px, time.monotonic())
-        # The line comes before the commands, as in the article. All else comes after them, so
-        # that it does not delay them.
-        self._line.send(', '.join('{}={}'.format(name, area_px) for name, area_px
-                                  in zip(self._settings.color_names, areas_px)))
+        # The line has its time before the commands, as in the article. Writing it, and all else,
+        # comes after them, so that it does not delay them.
+        self._line.take_time()
         self._publish_commands(commands)
         self._counts.count_latency(rospy.get_time(), msg.header.stamp.to_sec())
-        # the log file has the line of each frame, the terminal those with other commands
-        self._line.write(on_terminal=self._shown.shows(self._commander.frame_commands))
+        # the terminal has only the lines of frames with other commands
+        self._line.write(', '.join('{}={}'.format(name, area_px) for name, area_px
+                                   in zip(self._settings.color_names, areas_px)),
+                         self._shown.shows(self._commander.frame_commands))
         self._publish_images(msg.header, areas_px, commands)
         self._counts.processed.add()
         self._counts.processing.add(time.perf_counter() - begin_s)

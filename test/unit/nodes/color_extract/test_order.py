@@ -29,8 +29,8 @@ def published(monkeypatch):
         _commander=Commander(settings, 0.0), _counts=RecognitionDiagnostics('/image'),
         _input=SimpleNamespace(decode=lambda image: (image, 'bgr8')),
         _shown=SimpleNamespace(shows=lambda commands: True),
-        _line=SimpleNamespace(send=order.append,
-                              write=lambda on_terminal: order.append('log file')),
+        _line=SimpleNamespace(take_time=lambda: order.append('time of the line'),
+                              write=lambda text, on_terminal: order.append(text)),
         _velocity=SimpleNamespace(publish=lambda msg: order.append(msg.linear.x)),
         _yielding=SimpleNamespace(is_active=lambda: False), _detection=silent, _overlay=silent,
         _masked=[SimpleNamespace(publish_drawn=lambda *_, name=name: order.append(name))
@@ -48,10 +48,10 @@ def published(monkeypatch):
     return give
 
 
-def test_line_comes_before_commands_and_blue_before_red(published):
+def test_line_has_its_time_before_the_commands_and_blue_comes_first(published):
     assert published(BLUE, RED) == [
-        'blue=1600, red=1600', 10.0, -10.0, 'log file', 'blue_image', 'red_image']
+        'time of the line', 10.0, -10.0, 'blue=1600, red=1600', 'blue_image', 'red_image']
 
 
 def test_frame_without_color_has_a_line_and_no_command(published):
-    assert published() == ['blue=0, red=0', 'log file', 'blue_image', 'red_image']
+    assert published() == ['time of the line', 'blue=0, red=0', 'blue_image', 'red_image']
