@@ -20,7 +20,7 @@ from std_srvs.srv import Trigger
 
 from img_recog.errors import UserError, one_line
 from img_recog.ros import timed_xmlrpc
-from img_recog.ros.master.connections import Connections
+from img_recog.ros.connections import Connections
 from img_recog.ros.timed_xmlrpc import Master
 from img_recog.testing.launching import Launch, LaunchFile, of_reasons
 from img_recog.testing.topics import Topics
@@ -33,7 +33,7 @@ __tracebackhide__, __unittest = of_reasons, True
 _SIMULATOR, _ROBOTS = '/gazebo', '/robots'
 _STEP, _STEP_PERIOD, _RELOAD = '/gazebo/step', '/gazebo/step_period', '/robots/reload'
 _CLOCK = '/clock'
-_WAITS = 'simulated time stands at'     # of the lines that say for whom
+_WAITS = 'simulation paused: waiting for'     # of the lines that say for whom
 _POLL_PERIOD_S, _SETTLING_PERIOD_S, _SETTLING_S = 0.05, 0.001, 5.0      # of wall time
 _MAX_STEP_S = 3600.0        # of ~step_period
 _active: List['Running'] = []
