@@ -295,8 +295,6 @@ def _parser() -> argparse.ArgumentParser:
                         help='parameter files of color_extract')
     parser.add_argument('--truth', default='', metavar='CSV',
                         help='which colors are in view: columns recording, frame, color, in_view')
-    parser.add_argument('--output', default='', metavar='FOLDER_OR_PREFIX',
-                        help='where to write the files (default: NAME.evaluated.csv, .md and .png '
-                        'in the current folder, of the first recording)')
+    recording_names.add_output(parser, 'FIRST_RECORDING.evaluated.csv, .md and .png')
     add_options(parser)
     return parser

@@ -21,6 +21,7 @@ from img_recog.command_line import programs, results
 from img_recog.command_line.programs import allowed
 from img_recog.errors import UserError, counted, suggestion
 from img_recog.processes.signals import Interrupts
+from img_recog.recordings import recording_names
 
 _SIZE_IN = 5.0          # of each chart
 _BINS, _MAX_RANGES = 6, 3
@@ -271,9 +272,7 @@ def _parser() -> argparse.ArgumentParser:
         'master; write how many succeed as a table (CSV), a report and a picture, and the worst '
         'ones as films.')
     parser.add_argument('sweep', metavar='SWEEP.yaml', help='which runs, and what is a success')
-    parser.add_argument('--output', default='', metavar='FOLDER_OR_PREFIX',
-                        help='where to write the files (default: NAME.sweep.csv, .md, .png and '
-                        '.worst_1.mp4 to .worst_10.mp4 in the current folder)')
+    recording_names.add_output(parser, 'NAME.sweep.csv, .md, .png, .worst_1.mp4 to .worst_10.mp4')
     parser.add_argument('--films', default=10, metavar='N', help='of the worst runs '
                         '(default: %(default)s)',
                         type=allowed(int, lambda films: 0 <= films <= 100, 'from 0 to 100'))
