@@ -10,11 +10,11 @@ from img_recog.conversions.plane_msgs import PlanePose, PoseError
 from img_recog.conversions.sensor_table import SENSORS
 from img_recog.conversions.topic_checks import check_topics
 from img_recog.errors import SimulationError, UserError, one_line
+from img_recog.nodes.gazebo.command_counts import CommandCounts
 from img_recog.nodes.gazebo.images import Images
 from img_recog.nodes.gazebo.lockstep import Lockstep
 from img_recog.nodes.gazebo.physics_services import ServiceCalls
 from img_recog.nodes.gazebo.robot_reader import in_namespace
-from img_recog.nodes.gazebo.simulation_diagnostics import CommandCounts
 from img_recog.nodes.gazebo.transforms import StaticTransforms, Transforms, plane_transform
 from img_recog.report import Report
 from img_recog.ros.diagnostics import NodeDiagnostics
