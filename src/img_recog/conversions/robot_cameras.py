@@ -13,8 +13,7 @@ from std_msgs.msg import Header
 from img_recog.camera.calibration import Calibration
 from img_recog.rendering import lens_views, rays, renderer
 from img_recog.rendering.camera import Camera
-from img_recog.rendering.light import LightFilter
-from img_recog.rendering.noise import PixelNoise
+from img_recog.rendering.light import LightFilter, PixelNoise
 from img_recog.rendering.server import Shot
 from img_recog.simulation.pictures.visual_scene import Parts
 from img_recog.simulation.sensors.robot_camera import Exposure

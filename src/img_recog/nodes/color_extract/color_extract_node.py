@@ -47,9 +47,9 @@ from img_recog.recognition.recognition_settings import (DEFAULT_COLORS, Recognit
 from img_recog.ros import lifecycle, parameters
 from img_recog.ros.diagnostics import (MIN_SHARE, Durations, EventCounter, NodeDiagnostics,
                                        Refusals, add_counter, add_durations, add_refusals)
-from img_recog.ros.log.throttle import ChangeThrottle, ThrottledWarning
 from img_recog.ros.queues import LatestValue
 from img_recog.ros.reconfigure import Reconfigurable
+from img_recog.ros.throttle import ChangeThrottle, ThrottledWarning
 from img_recog.ros.transport.direct_publisher import DirectPublisher
 from img_recog.ros.transport.image_publisher import ImagePublisher
 from img_recog.ros.transport.image_subscriber import ImageSubscriber

@@ -9,8 +9,8 @@ from std_msgs.msg import Float64
 
 from img_recog.conversions import robot_msgs
 from img_recog.nodes.gazebo.time_gate import TimeGate
+from img_recog.ros import master_calls
 from img_recog.ros.diagnostics import MIN_SHARE, Durations, add_durations
-from img_recog.ros.master import master
 from img_recog.ros.transport import own_time
 from img_recog.ros.transport.direct_publisher import DirectPublisher
 from img_recog.simulation.pacing import Pace
@@ -31,7 +31,7 @@ class SimulatedClock:
         self._times, self._msg = DirectPublisher('/clock', Clock, latch=True), Clock()
         self._factors = rospy.Publisher('~real_time_factor', Float64, queue_size=1, latch=True)
         name = rospy.get_name()
-        others = sorted(set(master.calls().state().published.get('/clock', ())) - {name})
+        others = sorted(set(master_calls.calls().state().published.get('/clock', ())) - {name})
         if others:
             rospy.logwarn('/clock has another publisher, %s: two simulations mix up time, tf and '
                           'odometry; stop one of them', ', '.join(others))

@@ -18,8 +18,8 @@ from img_recog.nodes.gazebo.robot_reader import in_namespace
 from img_recog.nodes.gazebo.transforms import StaticTransforms, Transforms, plane_transform
 from img_recog.report import Report
 from img_recog.ros.diagnostics import NodeDiagnostics
-from img_recog.ros.log.throttle import Throttle, ThrottledWarning
 from img_recog.ros.queues import LatestValue
+from img_recog.ros.throttle import Throttle, ThrottledWarning
 from img_recog.ros.transport.direct_publisher import DirectPublisher
 from img_recog.simulation import assembly
 from img_recog.simulation.configured_model import ConfiguredModel

@@ -40,8 +40,8 @@ from img_recog.nodes.usb_cam.camera_diagnostics import CameraDiagnostics
 from img_recog.nodes.usb_cam.camera_info import CameraCalibration
 from img_recog.ros import lifecycle, parameters
 from img_recog.ros.diagnostics import NodeDiagnostics, add_counter
-from img_recog.ros.log.throttle import ThrottledWarning
 from img_recog.ros.reconfigure import Reconfigurable
+from img_recog.ros.throttle import ThrottledWarning
 from img_recog.ros.transport.image_publisher import ImagePublisher
 from img_recog.settings import setting_fields
 

@@ -21,7 +21,7 @@ OK, WARN = DiagnosticStatus.OK, DiagnosticStatus.WARN
 def make(monkeypatch):
     """A function that makes a SimulatedClock without a master."""
     for module, name in ((clock_module, 'DirectPublisher'), (rospy, 'Publisher'),
-                         (clock_module, 'master')):
+                         (clock_module, 'master_calls')):
         monkeypatch.setattr(module, name, mock.MagicMock())
 
     def running(measured, wanted=1.0, mode=Mode.RUNNING):
