@@ -4,7 +4,7 @@ from visualization_msgs.msg import MarkerArray
 
 from img_recog.conversions import plane_msgs, robot_msgs
 from img_recog.conversions.plane_msgs import PlanePose
-from img_recog.simulation.physics.footprints import footprints
+from img_recog.simulation.pictures.footprints import footprints
 from img_recog.simulation.simulator import Simulator
 
 
