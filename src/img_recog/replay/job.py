@@ -29,7 +29,7 @@ from img_recog.replay.recorders import BagRecorder, PlotRecorder, TableRecorder
 from img_recog.settings import SettingError
 from img_recog.simulation.assembly import Assembly
 from img_recog.simulation.physics.body import Motion
-from img_recog.simulation.physics.footprints import footprints
+from img_recog.simulation.pictures.footprints import footprints
 from img_recog.simulation.simulation_settings import SpawnSettings
 
 if TYPE_CHECKING:

@@ -62,7 +62,8 @@ def test_the_services_of_other_publishers(monkeypatch):
                         {'/teleop/yield': ['/teleop'], '/gazebo/yield': ['/gazebo'],
                          '/foreign/get_loggers': ['/foreign']})
     monkeypatch.setattr(shown_robots.rospy, 'get_name', lambda: '/web')
-    monkeypatch.setattr(shown_robots.master_calls, 'calls', lambda: SimpleNamespace(state=lambda: state))
+    monkeypatch.setattr(shown_robots.master_calls, 'calls',
+                        lambda: SimpleNamespace(state=lambda: state))
     assert yield_services('/cmd_vel') == ['/teleop/yield']
     assert yield_services('/nobody') == []
 
