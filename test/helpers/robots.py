@@ -36,7 +36,7 @@ def burgers(sensor, **changed):
 
 def assemble(world_name='empty', x=0.0, y=0.0, yaw=0.0, z=0.0, urdf=None, find_mesh=None,
              allow_partial=False, unused_sensors=(), option_name=str, cameras=(), **settings):
-    """Return the assembly of a robot, by default the burger, in a world; **settings: see below.
+    """Return a simulator of a robot, by default the burger, in a world; **settings: see below.
 
     world_name: a name, a path or the text of the file.
     """
@@ -49,7 +49,7 @@ def assemble(world_name='empty', x=0.0, y=0.0, yaw=0.0, z=0.0, urdf=None, find_m
 
 
 def build(world_name, specs, unused_sensors=(), option_name=str, allow_partial=False):
-    """Return the assembly of robots in a world."""
+    """Return a simulator of robots in a world."""
     text = world_name if world_name.startswith('<') else ''
     world_name = 'hall.world' if text else world_name
     world = world_file.read(world_name, WORLDS, allow_partial=allow_partial,
@@ -73,8 +73,3 @@ def settings_of(x=0.0, y=0.0, yaw=0.0, z=0.0, **settings):
     groups.setdefault('drive', burgers_drive())
     groups.setdefault('spawn', SpawnSettings(x_pos=x, y_pos=y, z_pos=z, yaw=yaw))
     return RobotSettings(sensors={**read(burger()).settings.sensors, **settings}, **groups)
-
-
-def simulator(*args, **kwargs):
-    """Return the simulator alone; arguments as for `assemble`."""
-    return assemble(*args, **kwargs).simulator

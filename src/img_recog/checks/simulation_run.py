@@ -37,11 +37,10 @@ class SimulationRun:
         robots = [assemble.robot(given.urdf, '--urdf').changed(
             spawn=SpawnSettings(x_pos=0.0, y_pos=0.0))] if given.urdf else []
         # without a command they stand as in a Gazebo without ROS: nothing holds their wheels
-        self._built = assemble.simulator(
+        self._simulator = assemble.simulator(
             PhysicsSettings(world=given.world, allow_partial_world=True), robots,
             with_sensors=True, with_bare=True, with_drives=bool(given.twist and not given.urdf))
-        self.report = self._built.report
-        self._simulator = self._built.simulator
+        self.report = self._simulator.world.report
         self._figures = Figures(self._simulator)
         self._readings: Dict[Tuple[str, str], Any] = {}
         models = Models(self._simulator)

@@ -20,11 +20,12 @@ def check(path: str, allow_partial: bool = False) -> CheckReport:
     allow_partial: whether one of which something is left out can be used.
     Raises a UserError when the file cannot be used at all.
     """
-    built = assemble.simulator(PhysicsSettings(world=path, allow_partial_world=True),
-                               with_sensors=True, with_drives=True)
-    file, report = built.simulator.world.file, built.report
-    drawn, boxes = looks.read(built.simulator)
-    rows = [*_models(built.simulator.world, boxes), *_rest(file), drawn, *rows_of(report)]
+    simulator = assemble.simulator(PhysicsSettings(world=path, allow_partial_world=True),
+                                   with_sensors=True, with_drives=True)
+    world = simulator.world
+    file, report = world.file, world.report
+    drawn, boxes = looks.read(simulator)
+    rows = [*_models(world, boxes), *_rest(file), drawn, *rows_of(report)]
     problem = '' if allow_partial or not report.of(LEFT_OUT) else (
         'something is left out of it; give --allow-partial-world here, and {} to the demo'.format(
             _OPTION))

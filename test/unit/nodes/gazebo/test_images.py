@@ -56,7 +56,7 @@ class Rig:
     """Images of a simulated robot with two cameras, of 32 and 16 pixels in a row."""
 
     def __init__(self, publishers, lockstep=None, **settings):
-        self.simulator, self.statics = robots.simulator(
+        self.simulator, self.statics = robots.assemble(
             x=1.0, cameras=[CAMERA, BACK]), FakeStatics()
         self.robot, self.publishers = self.simulator.robots[0], publishers
         self.images = Images(self.simulator, ViewSettings(view_width=64, view_height=48,
