@@ -3,14 +3,13 @@ import dataclasses
 import functools
 import os
 
-from img_recog.conversions.sensor_table import SENSORS
+from img_recog.conversions.sensor_table import CAMERA, SENSORS
 from img_recog.formats import world_file
 from img_recog.formats.markup import read_bytes
 from img_recog.simulation import assembly
 from img_recog.simulation.configured_model import from_urdf
 from img_recog.simulation.simulation_settings import PhysicsSettings, RobotSettings, SpawnSettings
 
-CAMERA, = (kind for kind in SENSORS if kind.is_drawn)
 GROUPS = 'spawn', 'drive', 'noise'
 FOLDER = os.path.join(os.path.dirname(os.path.abspath(__file__)), '..', '..', 'urdf')
 WORLDS = {'turtlebot3_world': os.path.join(FOLDER, 'turtlebot3_world.urdf')}

@@ -141,26 +141,20 @@ def _text(value: Any) -> str:
 
 
 def _sensors(spec: ConfiguredModel, robot: Robot) -> Iterator[CheckRow]:
-    for sensor in spec.sensors:
-        name, kind, settings = sensor.name, sensor.kind, robot.settings.sensors[sensor.name]
-        if kind.is_drawn:
-            yield _camera(settings)
-            continue
-        if name in robot.mounted.missing:       # a finding
-            continue
+    for sensor in robot.mounted.published:
+        kind, settings = sensor.kind, robot.settings.sensors[sensor.name]
         is_given = sensor.place is not None or bool(spec.tag_values.keys() & vars(settings))
-        yield CheckRow(SIMULATED if is_given else ASSUMED, name, '{} on {}, {:.4g} Hz'.format(
-            getattr(kind.msg_type, '_type'), kind.topic(settings),
-            1 / getattr(settings, kind.name + '_period_s')),
-            '<gazebo> tag' if is_given else 'default')
-
-
-def _camera(camera: Any) -> CheckRow:
-    topics = ', '.join(filter(None, (
-        camera.camera_image_topic, camera.camera_depth_topic, camera.camera_points_topic)))
-    return CheckRow(SIMULATED, 'camera on ' + camera.camera_frame, '{}: {}x{}, {:g} Hz, {}'.format(
-        topics, camera.camera_width, camera.camera_height, camera.camera_rate,
-        camera.camera_lens), '<gazebo> tag')
+        text = '{} on {}, {:.4g} Hz'.format(getattr(kind.msg_type, '_type'), kind.topic(settings),
+                                            1 / getattr(settings, kind.name + '_period_s'))
+        yield CheckRow(SIMULATED if is_given else ASSUMED, sensor.name, text,
+                       '<gazebo> tag' if is_given else 'default')
+    for camera in spec.cameras:
+        topics = ', '.join(filter(None, (
+            camera.camera_image_topic, camera.camera_depth_topic, camera.camera_points_topic)))
+        yield CheckRow(SIMULATED, 'camera on ' + camera.camera_frame,
+                       '{}: {}x{}, {:g} Hz, {}'.format(
+                           topics, camera.camera_width, camera.camera_height, camera.camera_rate,
+                           camera.camera_lens), '<gazebo> tag')
 
 
 class _Driven(NamedTuple):
