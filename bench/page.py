@@ -8,7 +8,7 @@ from typing import Optional
 
 import recognition
 from pairs import Benchmark, Column
-from ros_processes import HERE, Master, cpu_s, free_port, run_script, wait_for
+from ros_processes import HERE, Master, cpu_s, run_script, wait_for
 
 SIZE, TURNS, SECONDS = (640, 480), 1, 8.0
 VIEWERS = {'nobody looks': 0, 'without the page': None, 'one viewer': 1, '20 viewers': 20}
@@ -47,8 +47,8 @@ def _sample(viewers: Optional[int]) -> dict:
 
 def _start_page(master: Master) -> tuple:
     """Start the node web; return its process id and the address of the page."""
-    process = master.start_script('web.py', '__ns:=/node', '_web_port:={}'.format(free_port()),
-                                  output=True)
+    # it takes the next free port
+    process = master.start_script('web.py', '__ns:=/node', output=True)
     for line in process.stdout:
         address = re.match(rb'the page: (\S+)', line)
         if address:

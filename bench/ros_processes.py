@@ -25,7 +25,8 @@ class Master:
     """
 
     def __init__(self):
-        port = free_port()
+        self._reserved = reserve()
+        port = self._reserved.getsockname()[1]
         uri = 'http://127.0.0.1:{}'.format(port)
         self.env = dict(os.environ, ROS_MASTER_URI=uri, ROS_HOSTNAME='localhost')
         self.server = rosgraph.Master('/bench', master_uri=uri)
@@ -52,6 +53,7 @@ class Master:
                     process.wait(20)
                 except subprocess.TimeoutExpired:
                     process.kill()
+        self._reserved.close()
 
     def start(self, *command: str, env: Optional[Dict[str, str]] = None, output: bool = False
               ) -> subprocess.Popen:
@@ -85,11 +87,15 @@ class Master:
         return process.pid
 
 
-def free_port() -> int:
-    """Return a port of the loopback that nobody uses now."""
-    with socket.socket() as probe:
-        probe.bind(('127.0.0.1', 0))
-        return probe.getsockname()[1]
+def reserve() -> socket.socket:
+    """Return a socket on a free port, which no other program gets while the socket is open.
+
+    Only a server that sets SO_REUSEADDR for this very port, like a master, can still listen on it.
+    """
+    reserved = socket.socket()
+    reserved.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+    reserved.bind(('127.0.0.1', 0))
+    return reserved
 
 
 def installed(package: str) -> bool:

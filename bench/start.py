@@ -8,7 +8,7 @@ from typing import Dict
 import raw_topics
 from nav_msgs.msg import Odometry
 from pairs import Benchmark, Column, each
-from ros_processes import PACKAGE, free_port, wait_for
+from ros_processes import PACKAGE, reserve, wait_for
 
 POLL_PERIOD_S = 0.02
 MOVING_M_S = 0.01
@@ -19,7 +19,11 @@ SET_BY_RUN = ('ROS_', 'CATKIN_', 'CMAKE_', 'PKG_CONFIG_', 'PYTHONPATH', 'DISPLAY
 
 def start() -> Dict[str, float]:
     """Start the demo, and return how long it took until each of its stages, s."""
-    port = free_port()
+    with reserve() as reserved:
+        return _start(reserved.getsockname()[1])
+
+
+def _start(port: int) -> Dict[str, float]:
     env = {name: value for name, value in os.environ.items() if not name.startswith(SET_BY_RUN)}
     env['ROS_MASTER_URI'] = uri = 'http://localhost:{}'.format(port)
     begin_s = time.perf_counter()

@@ -147,12 +147,12 @@ class Supervisor:
         return self._exit_code()
 
     def _exit_code(self):
-        if self._code < 0:
-            return 128 + (self._stopped_by or -self._code)
         if any(death.required for death in self._deaths):
             return 1                # for roslaunch this is not an error
-        # it is one for roslaunch if it is interrupted while it starts nodes
-        return 0 if self._stopped_by and self._code == 1 else self._code
+        # roslaunch itself gives 1, or is killed, if it is interrupted while it starts
+        if self._stopped_by:
+            return 0
+        return self._code if self._code >= 0 else 128 - self._code
 
     def _start(self, command):
         channels = [Channel(1, self._read_line)]
@@ -348,7 +348,10 @@ def check_display():
 
 def main(launch_file, *words):
     """Run the demo with these arguments; return the exit code."""
+    signals.handle(signal.default_int_handler)
     try:
+        sys.stdout.write('[run] {}\n'.format(message('starting; press Ctrl-C to stop')))
+        sys.stdout.flush()
         checked = Arguments(launch_file).checked(words)
         check_files(checked)
         check_log_folder()
@@ -357,6 +360,8 @@ def main(launch_file, *words):
     except (ArgumentError, UserError) as error:
         sys.stderr.write('[run] {}\n'.format(error))
         return 1
+    except KeyboardInterrupt:
+        return 0
     with contextlib.closing(claim):
         return Supervisor().run(
             ['roslaunch', '--no-summary', 'img_recog', 'demo.launch', *checked])

@@ -87,8 +87,8 @@ class Claim:
                             message('set ROS_MASTER_URI'))
         if port != _FIRST_PORT:
             sys.stdout.write('[run] {}\n'.format(message(
-                '{} uses port {}: the master of this demo is {}; ./run shell in this folder '
-                'finds it, in other terminals set ROS_MASTER_URI', user, _FIRST_PORT, uri)))
+                '{} uses port {}; ./run shell in this folder finds the master of this demo, in '
+                'other terminals run "export ROS_MASTER_URI={}"', user, _FIRST_PORT, uri)))
             sys.stdout.flush()
         return uri
 

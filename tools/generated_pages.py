@@ -3,8 +3,8 @@
 
 usage: ./run shell python3 tools/generated_pages.py
 
-That is all of doc/launch.md, from the launch files; all of doc/elements.md, from the table of
-elements; and in doc/reference.md, default and allowed values of each parameter of a node, from its
+That is all of doc/launch.md, from the launch files; all of doc/elements.md, from the
+schema; and in doc/reference.md, default and allowed values of each parameter of a node, from its
 settings. What a parameter means is written by hand, and stays; a new one is added below the others
 of its node, without a meaning. Names that are written in one row stay there, as long as the same
 values are allowed.
@@ -20,7 +20,7 @@ import launch_files
 
 from img_recog.camera.usb_cam_settings import UsbCamSettings, ControlSettings
 from img_recog.conversions.compressed_image_msgs import CompressionSettings
-from img_recog.formats import elements
+from img_recog.formats import reader, schema
 from img_recog.nodes.color_extract.color_extract_node import InputSettings
 from img_recog.nodes.gazebo.lockstep_settings import LockstepSettings
 from img_recog.nodes.gazebo.robot_reader import RobotsSettings, robot_settings_classes
@@ -31,7 +31,7 @@ from img_recog.nodes.web.web_settings import WebSettings
 from img_recog.recognition.recognition_settings import DEFAULT_COLORS, with_colors
 from img_recog.settings import allowed_text
 from img_recog.simulation.simulation_settings import PhysicsSettings, ViewSettings
-from img_recog.teleoperation.teleop_settings import TeleopSettings, VelocityLimits
+from img_recog.teleoperation.profile import TeleopSettings, VelocityLimits
 
 ROOT = os.path.normpath(os.path.join(os.path.dirname(os.path.abspath(__file__)), '..'))
 _LAUNCH = """# Launch files
@@ -45,10 +45,12 @@ file of your own that includes it and sets an argument of another file needs
 """
 _ELEMENTS = """# Elements of robots and worlds
 
-What becomes of each element of SDF (1.4 to 1.9) and of URDF with `<gazebo>` tags.
-`check_world.py`, `check_robot.py` and the log say what a file has of the last column, what is
-misspelt, and what is in no row. An element with `=` is only named if it has another value than
-that. This page is written by `tools/generated_pages.py`.
+How each element of SDF (1.4 to 1.9) and of URDF with `<gazebo>` tags is handled.
+
+`check_world.py`, `check_robot.py` and the log name the elements of a file that are in the last
+column, and the elements that are in no row. They name an element with `=` only if its value
+differs from the one shown. The types of values are in the last table.
+`tools/generated_pages.py` writes this page.
 """
 _ROW = re.compile(r'\| (`\w+`(?:, `\w+`)*) \|(?:[^|]*\|){2}(.*)')
 _DEMO = 'The whole system of the article.'
@@ -117,8 +119,8 @@ def _launch_arguments() -> Iterator[str]:
 
 
 def _elements() -> Iterator[str]:
-    both = {path: row for path, row in elements.SDF.items() if elements.URDF.get(path) == row}
-    for title, table in (('SDF and URDF', both), ('SDF', elements.SDF), ('URDF', elements.URDF)):
+    both = {path: row for path, row in schema.SDF.items() if schema.URDF.get(path) == row}
+    for title, table in (('SDF and URDF', both), ('SDF', schema.SDF), ('URDF', schema.URDF)):
         places: Dict[Tuple[str, str, str], List[str]] = {}      # what has the same row
         for path, row in table.items():
             if not row.anything and (table is both or path not in both):
@@ -137,10 +139,21 @@ def _elements() -> Iterator[str]:
         yield from textwrap.wrap('All is simulated or drawn in ' + '; '.join(
             '{}: {}'.format(_words(' '.join(paths)), simulated)
             for (simulated, *_), paths in whole.items()) + '.', _WIDTH)
+    yield from ('', '## Types of values', '', '| type | allowed |', '|---|---|')
+    for name, each in sorted({**reader.TYPES, '3numbers': reader.type_of('3numbers'),
+                              '3lengths': reader.type_of('3lengths'),
+                              '3sizes': reader.type_of('3sizes')}.items()):
+        yield '| {} | {} |'.format(name, each.allowed)
 
 
 def _words(text: str) -> str:
-    return ' '.join('`{}`'.format(word.rstrip('?')) for word in text.split())
+    """Return words of the schema as a text of the page: `mass` (mass, default 1)."""
+    def shown(word: str) -> str:
+        name, has_type, rest = word.partition(':')
+        kind, has_default, default = rest.partition('=')
+        return '`{}`'.format(name) + ' ({}{})'.format(
+            kind, ', default ' * bool(has_default) + default.replace(',', ' ')) * bool(has_type)
+    return ' '.join(map(shown, text.split()))
 
 
 class Parameter(NamedTuple):

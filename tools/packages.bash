@@ -95,7 +95,7 @@ install_packages() {
   say '{} system packages of {} are missing: {}' "$(wc -w <<<"$missing")" "$(basename "$list")" \
     "$missing"
   may_install || fail 'nothing installed'
-  say 'apt-get update and install; the output is in build/apt.log'
+  say 'apt-get update and install, which takes some minutes; the output is in build/apt.log'
   as_root apt-get update -qq "${apt_options[@]}" >"$build/update.log" 2>&1 ||
     say 'apt-get update failed: {}; using the old lists' "$(reason "$build/update.log")"
   # shellcheck disable=SC2086
@@ -125,7 +125,7 @@ make_venv() {
   file=$(lock_file)
   [ -f "$file" ] || fail '{} is missing: this Python is not one of {}' "${file#"$root"/}" \
     "$(cd "$root/requirements" && echo 3.*.txt)"
-  say 'installing into .venv what {} lists, 540 MB; the output is in build/pip.log' "${file#"$root"/}"
+  say 'installing into .venv what {} lists, 540 MB, which takes some minutes; the output is in build/pip.log' "${file#"$root"/}"
   case $(uname -m)-${file##*/} in
     x86_64-3.8.txt | x86_64-3.11.txt) ;;
     *) say 'PyBullet is compiled, because it has no wheel for this system: 7 minutes of one core' ;;
@@ -165,14 +165,19 @@ download() {
   setup
   mkdir -p "$1/packages/partial" "$1/wheels" || fail 'cannot write in {}' "$1"
   folder=$(readlink -f "$1")
-  say 'downloading into {}' "$folder"
-  # An empty list of installed packages, so that apt takes all that the other computer may lack. The
-  # locks of apt are beside it, so this needs no rights of root.
+  say 'downloading into {}, which takes some minutes' "$folder"
+  # An empty list of installed packages, so that apt takes all that the other computer may lack. Its
+  # own lists, because those of the system may be old, or deleted as in a container. The locks of
+  # apt are beside both, so this needs no rights of root.
   : >"$build/nothing_installed"
+  mkdir -p "$build/download_lists/partial"
+  apt_options+=(-o Dir::State::lists="$build/download_lists" -o Dir::Cache::pkgcache=
+    -o Dir::Cache::srcpkgcache= -o APT::Sandbox::User=root)
+  logged 'apt-get update' update.log apt-get update -q "${apt_options[@]}"
   # shellcheck disable=SC2046
   logged apt-get download.log apt-get install -y -q --download-only --no-install-recommends \
     -o Dir::State::status="$build/nothing_installed" -o Dir::Cache::archives="$folder/packages" \
-    -o APT::Sandbox::User=root $(listed "$list")
+    "${apt_options[@]}" $(listed "$list")
   list_packages "$folder/packages" >"$build/Packages"
   mv "$build/Packages" "$folder/packages/Packages"
   logged pip wheels.log "$venv/bin/python3" -m pip download --no-deps "${pip_options[@]}" \

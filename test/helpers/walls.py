@@ -170,7 +170,7 @@ def _reason_within(name, part, target):
         return 'outbox is for ros/transport alone'
     if target[0] == part:
         node = name.parts[1].replace('.py', '') if len(name.parts) > 1 else ''
-        if part == 'nodes' and target[1] not in (node, 'color_parameters', 'compressed_images'):
+        if part == 'nodes' and target[1] not in (node, 'compressed_images'):
             return 'a node does not import another'
         if part == 'simulation' and len(name.parts) > 1 and name.parts[1] != '__init__.py':
             return _reason_of_rooms(name.parts[1].replace('.py', ''), target[1])

@@ -3,11 +3,13 @@ import os
 import select
 import socket
 import stat
+import subprocess
 import threading
 
 import pytest
 
 from img_recog_helpers.simulator_tools import drive
+from img_recog_helpers.waiting import wait_for
 
 
 @pytest.fixture
@@ -85,3 +87,16 @@ def test_the_demo_goes_on_without_a_window(ros):
     demo.wait_output('the robot drives forward')
     assert demo.interrupt() == 0
     assert demo.output.count('no window: ') == 4
+
+
+@pytest.mark.display
+def test_the_windows_of_the_demo_print_no_warnings_of_qt(ros, display):
+    ros.env.pop('XDG_RUNTIME_DIR', None)
+    demo = ros.demo('simulator:=false', 'camera:=synthetic', 'image_view:=true', 'teleop:=false',
+                    'web:=false')
+    demo.wait_output('camera: synthetic')
+    wait_for(lambda: subprocess.run(['xwininfo', '-root', '-tree'], env=ros.env, check=False,
+                                    stdout=subprocess.PIPE).stdout.count(b'_image"') >= 2,
+             'the windows')
+    assert demo.interrupt() == 0
+    assert 'QStandardPaths' not in demo.output and 'Timers' not in demo.output, demo.output

@@ -219,7 +219,7 @@ def test_each_demo_has_its_own_master_and_the_shell_finds_it(checkout, env):
         first, second = [demo.wait_output(r'ROS_MASTER_URI=(http://\w+:\d+)').group(1)
                          for demo in demos]
         assert first != second
-        assert any('uses port 11311: the master of this demo is {};'.format(uri) in demo.output
+        assert any('run "export ROS_MASTER_URI={}"'.format(uri) in demo.output
                    for demo, uri in zip(demos, (first, second)))
         assert found() in (first, second)
         assert demos[0].is_running() and demos[0].interrupt() == 0
@@ -373,12 +373,25 @@ def test_the_reason_of_a_program_that_fails_is_shown(checkout, bare):
                      output), output
 
 
+@pytest.mark.parametrize('word, program, text', [
+    ('doc', 'doc/build', '#!/bin/sh\necho begins\n'),
+    ('lint', 'tools/testing.py', 'print("begins")\n')])
+def test_a_slow_command_says_at_its_start_how_long_it_takes(env, tmp_path, word, program, text):
+    checkout = copied(tmp_path)
+    write(checkout, program, text)
+    os.chmod(os.path.join(checkout, program), 0o755)
+    code, output = run(checkout, env, word)
+    assert code == 0 and re.search(r'\[run\] .*, about 1 min\nbegins\n$', output), output
+
+
 # Without internet
 
 # downloads that package alone; all else is done by the real apt-get, but only simulated
 OFFLINE_APT = """
 case "$*" in
+  "update "*Dir::State::lists=*/download_lists*) touch build/download_lists/all; exit ;;
   *--download-only*)
+    [ -e build/download_lists/all ] || {{ echo 'E: Unable to locate package'; exit 100; }}
     for each; do case $each in Dir::Cache::archives=*) cp {deb} "${{each#*=}}" ;; esac; done ;;
   "update "*) exec /usr/bin/apt-get "$@" ;;
   *) exec /usr/bin/apt-get -s "$@" ;;

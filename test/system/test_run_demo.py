@@ -12,9 +12,9 @@ import psutil
 import pytest
 
 from img_recog_helpers import process_table
-from img_recog_helpers.pages import ROOT
+from img_recog_helpers.pages import ROOT, read
 from img_recog_helpers.process_table import end_all, is_alive, marked, ports
-from img_recog_helpers.processes import SMALL_CAMERA
+from img_recog_helpers.processes import SMALL_CAMERA, Ros
 from img_recog_helpers.waiting import wait_for
 
 END_S = 10.0
@@ -57,6 +57,16 @@ def test_signal_at_any_moment_ends_everything(run_demo, moment, signum):
     send(demo.pid, signum)
     wait_for(lambda: not marked(run_demo.mark),
              lambda: 'the end of {} in:\n{}'.format(marked(run_demo.mark), demo.output), END_S)
+    assert demo.wait() == (-signum if moment == 'bash' else 0), demo.output
+
+
+@pytest.mark.parametrize('words', [r'starting; press Ctrl-C', 'started roslaunch server', STARTED])
+def test_ctrl_c_gives_the_same_exit_code_at_any_moment_of_the_start(run_demo, words):
+    demo = run_demo(*SMALL)
+    demo.wait_output(words)
+    assert interrupt(demo) == 0
+    # rosmaster itself prints one
+    assert 'Traceback' not in demo.output.partition('started roslaunch server')[0]
 
 
 def test_ctrl_c_is_not_lost_in_a_program_that_ends_normally(run_demo, tmp_path):
@@ -316,3 +326,30 @@ def test_a_killed_node_is_reported_and_the_robot_stops(run_demo, ros):
     wait_for(lambda: demo.output.rfind('the robot stands') > demo.output.rfind('drives'),
              lambda: 'the robot to stand in:\n' + demo.output)
     assert [name for name, pid in pids.items() if not is_alive(pid)] == ['usb_cam']
+
+
+SPECIAL = str.maketrans({'[': r'\[', ']': r'\]'})
+
+
+@pytest.mark.parametrize('page', ['README.md', 'README.ja.md'])
+def test_the_readme_shows_the_log_of_a_real_run(request, page):
+    lines = re.findall(r'(?m)^    (\[INFO\] .*)', read(page))
+    assert len(lines) == 6
+    output = request.getfixturevalue('output_of_a_demo')
+    for line in lines:
+        # times, areas and positions differ
+        shape = re.sub(r'-?\d[\d.]+', lambda _: r'-?[\d.]{4,}', line.translate(SPECIAL))
+        found = re.search('(?m)^{}$'.format(shape), output)
+        assert found, '{} in:\n{}'.format(shape, output)
+        output = output[found.end():]
+
+
+@pytest.fixture(scope='module')
+def output_of_a_demo(tmp_path_factory):
+    """What a demo prints until it has driven forward and backward."""
+    with Ros(tmp_path_factory.mktemp('demo')) as ros:
+        demo = ros.start(os.path.join(ROOT, 'run'), 'demo', 'camera:=synthetic', 'web:=false',
+                         start_new_session=True)
+        demo.wait_output('(?s)drives forward.* blue=0, red=0.*stands.* red=33800.*drives backward')
+        demo.interrupt()
+        return demo.output

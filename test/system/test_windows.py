@@ -124,6 +124,26 @@ def test_a_launch_file_like_that_of_usb_cam_shows_the_image(ros, wait_shares, tm
     wait_shares({'green': ((0, 180, 0), (20, 220, 20))}, lambda found: found['green'] > 0.25)
 
 
+def test_the_simulators_window_shows_nothing_before_all_is_loaded(ros, display):
+    ros.start_master()
+    ros.set_parameters('/robot_description', burger())
+    simulator = ros.start_node('pybullet_sim.py', '_gui:=true')
+    shown = []
+
+    def is_shown_for_a_while():
+        image = screenshot(display)[:700, :1000].astype(int)
+        is_background = np.abs(image - 178).max(axis=2) < 5
+        # less: the menus that PyBullet shows at first; more: nothing yet
+        if 0.4 < is_background.mean() < 0.998:
+            shown.append(image)
+        return len(shown) > 20
+    wait_for(is_shown_for_a_while, 'the world')
+    # nothing has moved; one of the images may be without shadows
+    differing = (np.abs(shown[0] - shown[-1]).max(axis=2) > 60).mean()
+    assert differing < 1e-4, 'share of the pixels: {}'.format(differing)
+    assert 'argv' not in simulator.output and 'GL_VENDOR' not in simulator.output
+
+
 def test_the_simulators_window_shows_the_world(ros, wait_shares):
     # alone: that gui:=true comes to it, test_optional_window.py holds
     ros.start_master()

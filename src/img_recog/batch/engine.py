@@ -16,7 +16,7 @@ from tqdm import tqdm
 
 from img_recog.batch.work import Done, Function, Piece, run_piece
 from img_recog.batch.work_folder import WorkFolder, identity, lock
-from img_recog.command_line.option_types import allowed
+from img_recog.command_line.programs import allowed
 from img_recog.errors import UserError
 from img_recog.processes.signals import Interrupts
 

@@ -7,12 +7,11 @@ import os
 from typing import Callable, Dict, List, Sequence
 
 from img_recog import files
-from img_recog.batch import evaluate_report, labels, recorded
+from img_recog.batch import evaluate_report, recorded
 from img_recog.batch.engine import Engine, add_options
 from img_recog.batch.evaluate_report import ColorSet, Measured, Truth, evaluated
 from img_recog.batch.work import Piece
-from img_recog.command_line import programs
-from img_recog.command_line import results
+from img_recog.command_line import programs, results
 from img_recog.errors import UserError, counted, one_line, shortened, suggestion
 from img_recog.processes.signals import Interrupts
 from img_recog.recognition import parameter_file
@@ -31,7 +30,7 @@ def main() -> int:
 def _main(words: Sequence[str], interrupts: Interrupts) -> str:
     given = _parser().parse_args(words)
     named = _named([os.path.abspath(path) for path in recording_names.expand(
-        given.recordings, _log.warning)], labels.of_path)
+        given.recordings, _log.warning)], recorded.of_path)
     paths = files.output_paths(next(iter(named.values())), os.path.expanduser(given.output),
                                results.report_extensions(), 'evaluated')
     with Engine(given, interrupts, paths[0][:-len('.csv')], _log) as engine:
@@ -71,7 +70,7 @@ def _measured(engine: Engine, named: Dict[str, str], sets: Sequence[ColorSet],
 def _named(paths: Sequence[str], forms: Callable[[str], List[str]]) -> Dict[str, str]:
     """Return paths, each once, by short names that differ."""
     paths = list(dict.fromkeys(paths))
-    return dict(zip(labels.unique(list(map(forms, paths))), paths))
+    return dict(zip(recorded.unique(list(map(forms, paths))), paths))
 
 
 def _absolute(path: str) -> str:
@@ -79,7 +78,7 @@ def _absolute(path: str) -> str:
 
 
 def _color_sets(paths: Sequence[str]) -> List[ColorSet]:
-    named = _named(list(map(_absolute, paths)), labels.of_value)
+    named = _named(list(map(_absolute, paths)), recorded.of_value)
     return [ColorSet(name, path, parameter_file.read(path)) for name, path in named.items()]
 
 

@@ -7,9 +7,8 @@ from typing import Any, Dict, Iterable, List, Optional, Sequence, Set
 from img_recog import files
 from img_recog.batch import fit_pieces, recorded
 from img_recog.batch.engine import Engine, Results, add_options
-from img_recog.batch.fit_pieces import FIT
+from img_recog.batch.fit_pieces import FIT, BaseSettings
 from img_recog.batch.fit_report import Report
-from img_recog.batch.fit_settings import BaseSettings
 from img_recog.batch.recorded import RecordingPart
 from img_recog.batch.work import Piece
 from img_recog.command_line import programs

@@ -7,7 +7,7 @@ import random
 from dataclasses import dataclass
 from typing import Any, Dict, Iterator, List, Mapping, NamedTuple, Sequence, Tuple, Union
 
-from img_recog.batch.labels import of_value, unique
+from img_recog.batch.recorded import of_value, unique
 from img_recog.errors import UserError, one_line, shortened, suggestion
 from img_recog.formats.markup import MarkupError
 from img_recog.formats.yaml_text import read_yaml

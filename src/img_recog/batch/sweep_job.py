@@ -14,9 +14,8 @@ from img_recog.batch.engine import Engine, add_options
 from img_recog.batch.sweep_file import Run, Sweep
 from img_recog.batch.sweep_report import Ended
 from img_recog.batch.work import Piece
-from img_recog.command_line import programs
-from img_recog.command_line import results
-from img_recog.command_line.option_types import allowed
+from img_recog.command_line import programs, results
+from img_recog.command_line.programs import allowed
 from img_recog.errors import UserError, counted, suggestion
 from img_recog.processes.signals import Interrupts
 

@@ -5,25 +5,82 @@ import functools
 import hashlib
 import importlib.metadata
 import io
+import json
 import os
 import pathlib
 import pickle
 import platform
 import stat
-from typing import Any, Dict, get_type_hints
+from typing import Any, Dict, List, Tuple, get_args, get_origin, get_type_hints
 
 import cv2
+import numpy as np
 
-from img_recog.batch import plain
 from img_recog.batch.work import Function, Piece
 from img_recog.errors import UserError, one_line
 from img_recog.files import atomic_write
 
+_hints = functools.lru_cache(maxsize=None)(get_type_hints)
 _SUFFIX = '.piece'
 _END_BYTES = 1 << 20
 # results of others may differ
 _DISTRIBUTIONS = 'av', 'dask', 'distributed', 'moderngl', 'numpy', 'Pillow', 'pybullet', 'trimesh'
 _ADVICE = 'set --output to where files can be written'
+
+
+def dump_result(value: Any) -> bytes:
+    """Return an npz of a value: of named tuples, lists, dicts, arrays, bytes and what JSON has.
+
+    Its first array is the JSON, in which numbers stand for the others.
+    """
+    arrays: List[np.ndarray] = []
+    text = json.dumps(_with_numbers(value, arrays)).encode()
+    file = io.BytesIO()
+    np.savez(file, np.frombuffer(text, np.uint8), *arrays)
+    return file.getvalue()
+
+
+def load_result(content: bytes, kind: Any) -> Any:
+    """Return a value of a type, which names those of all its parts, as `dump` was given it.
+
+    Raises errors of many types if that is not what the content is.
+    """
+    with np.load(io.BytesIO(content), allow_pickle=False) as file:
+        arrays = [file[name] for name in file.files]
+    return _of_kind(json.loads(arrays[0].tobytes().decode()), kind, arrays)
+
+
+def _with_numbers(value: Any, arrays: List[np.ndarray]) -> Any:
+    """Return a value with lists for all that has parts, and numbers for arrays."""
+    if isinstance(value, np.generic):
+        return value.item()
+    if isinstance(value, (np.ndarray, bytes)):
+        arrays.append(np.frombuffer(value, np.uint8) if isinstance(value, bytes) else value)
+        return len(arrays)
+    parts = list(value.items()) if isinstance(value, dict) else value
+    return [_with_numbers(each, arrays) for each in parts] if isinstance(
+        parts, (list, tuple)) else value
+
+
+def _of_kind(value: Any, kind: Any, arrays: List[np.ndarray]) -> Any:
+    """Return what `_with_numbers` was given; TypeError if it is of another type."""
+    origin, kinds = get_origin(kind), get_args(kind)
+    if kind in (np.ndarray, bytes):
+        return arrays[value] if kind is np.ndarray else arrays[value].tobytes()
+    if origin is dict:
+        return dict(_of_kind(each, Tuple[kinds], arrays) for each in value)
+    if origin is list or origin is tuple and kinds[-1] is ...:
+        return origin(_of_kind(each, kinds[0], arrays) for each in value)
+    if hasattr(kind, '_fields'):
+        kinds = tuple(_hints(kind)[name] for name in kind._fields)
+    if kinds:
+        if len(value) != len(kinds):
+            raise TypeError('{} parts, expected {}'.format(len(value), len(kinds)))
+        parts = [_of_kind(*each, arrays) for each in zip(value, kinds)]
+        return tuple(parts) if origin is tuple else kind(*parts)
+    if type(value) is not kind and (kind is not float or type(value) is not int):
+        raise TypeError('{} is no {}'.format(value, kind))
+    return value
 
 
 class WorkFolder:
@@ -71,7 +128,7 @@ class WorkFolder:
             raise UserError('cannot write {}: {}'.format(path, one_line(error).lower()), _ADVICE)
         with atomic_write([path], _ADVICE) as (file,):
             os.fchmod(file.fileno(), 0o600)
-            file.write(plain.dump(result))
+            file.write(dump_result(result))
 
     def read(self, name: str) -> Any:
         """Return the result of a piece."""
@@ -79,7 +136,7 @@ class WorkFolder:
         for each in (os.path.dirname(path), path):
             _refuse_foreign(each)
         with open(path, 'rb') as file:
-            return plain.load(file.read(), self._kind)
+            return load_result(file.read(), self._kind)
 
     def count(self) -> int:
         """Return how many results there are."""

@@ -97,9 +97,12 @@ def find(name: str, folders: Sequence[str]) -> str:
     for path in candidates:
         if os.path.exists(path):
             return os.path.abspath(path)
+    missing = ('device (have {})'.format(list_devices()) if candidates[0].startswith('/dev/')
+               else 'file')
     raise RefusedSource(
-        'cannot open {}: no such file or device (have {})'.format(candidates[0], list_devices()),
-        'give a device, a video, an image, synthetic or auto')
+        'cannot open {}: no such {}'.format(candidates[0], missing),
+        'set a device, a video, an image, synthetic or auto, with ./run demo and roslaunch as '
+        'camera:=synthetic, with rosrun as _video_device:=synthetic')
 
 
 def _is_text(path: str) -> bool:

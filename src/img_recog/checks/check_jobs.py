@@ -5,7 +5,7 @@ import sys
 from typing import Any, Callable, List, Sequence, Tuple
 
 from img_recog.command_line import programs
-from img_recog.command_line.option_types import allowed
+from img_recog.command_line.programs import allowed
 from img_recog.errors import UserError
 
 _SECONDS = allowed(float, lambda seconds: 0 < seconds <= 1e6, 'a number above 0, at most 1e6')

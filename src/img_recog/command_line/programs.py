@@ -1,5 +1,6 @@
 """The programs of the package: their command lines, their ends, and what they write."""
 import argparse
+import contextlib
 import fcntl
 import logging
 import os
@@ -11,6 +12,23 @@ from img_recog.errors import UserError, named_in_crashes, one_line
 from img_recog.processes.signals import Interrupts
 
 _data: Optional[TextIO] = None      # standard output, after `keep_for_data`
+
+
+def allowed(kind: Callable[[str], Any], is_allowed: Callable[[Any], bool],
+            expected: str) -> Callable[[str], Any]:
+    """Return a type of which not all values are allowed.
+
+    kind: makes a value of the text. expected: what is allowed, for the error.
+
+    >>> allowed(float, lambda seconds: seconds > 0, 'a number above 0')('1.5')
+    1.5
+    """
+    def value(text: str) -> Any:
+        with contextlib.suppress(ValueError):
+            if is_allowed(kind(text)):
+                return kind(text)
+        raise argparse.ArgumentTypeError('got {!r}, expected {}'.format(text, expected))
+    return value
 
 
 class _Lines(logging.Formatter):

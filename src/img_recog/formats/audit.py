@@ -1,16 +1,15 @@
 """What a file asks for that is not done here, and what of it is not known."""
-import functools
 import math
 import re
 import xml.etree.ElementTree as ElementTree
-from typing import Dict, Iterator, List, Mapping, Optional, Tuple
+from typing import Iterator, List, Tuple
 
 from img_recog.errors import most_similar
-from img_recog.formats.elements import (ATTRIBUTES, KNOWN_PLUGINS, MODEL_PLUGINS, NO_EFFECT,
-                                        PLUGIN_NAMES, SDF, SIMULATED, URDF, WITHOUT_ROS, Fates)
+from img_recog.formats.reader import FALSE, TRUE, is_true
+from img_recog.formats.schema import (ATTRIBUTES, KNOWN_PLUGINS, MODEL_PLUGINS, PLUGIN_NAMES,
+                                      SIMULATED, WITHOUT_ROS, Child, children_of, row_of)
 from img_recog.report import NOT_KNOWN, NOT_SIMULATED, NOT_UNIQUE, NOT_USED, Finding
 
-_FORMATS: Mapping[str, Mapping[str, Fates]] = {'sdf': SDF, 'robot': URDF}
 _UNIQUE = ('model', 'link', 'joint', 'visual', 'collision')     # by their names, in one parent
 _NAMED = ('model', 'link', 'joint')
 # of which an element can have several
@@ -18,13 +17,11 @@ _MANY = frozenset('world model link joint collision visual sensor light plugin i
                   'road frame point texture blend gazebo transmission material gripper uri '
                   'camera polyline'.split())
 _TOLD = ('plugin', 'sensor', 'light', 'actor')    # which one it is
-_WORDS = {'true': True, '1': True, 'false': False, '0': False}
 _FRICTIONS = ('mu', 'mu1', 'mu2')
 _PLUGINS = (*KNOWN_PLUGINS, *MODEL_PLUGINS)
 _SHORT_NAMES = [word.split('_', 2)[2] for word in _PLUGINS if word.startswith('gazebo_ros_')]
 _PLUGIN_FILE = re.compile(r'(?:lib)?(gazebo_?(?:ros_?)?)?(.*?)(?:\.so)?', re.DOTALL)
 _SIMILAR_NAME = 0.8         # many packages have plugins of their own, whose names are not these
-_BOOLEAN = '?'             # after a name in the table
 _FILE = 'the file'          # the place of what is in no element with a name
 
 
@@ -45,7 +42,7 @@ def _found(element: ElementTree.Element, path: Tuple[str, ...], place: str) -> I
     if row.anything:
         yield from _parameters(element, place)
         return
-    fates = _fates(row)
+    children = children_of(row)
     for name in element.keys():
         if name not in ATTRIBUTES[path[0]] and not name.startswith('{'):
             yield NOT_KNOWN, 'attribute {} of <{}>'.format(name, element.tag), place
@@ -56,7 +53,7 @@ def _found(element: ElementTree.Element, path: Tuple[str, ...], place: str) -> I
         if not isinstance(child.tag, str) or ':' in child.tag or child.tag.startswith('{'):
             continue
         tag, inner = child.tag, (*path, child.tag)
-        state, default = fates.get(tag, (NOT_KNOWN, None))
+        state, kind, default = children.get(tag, Child(NOT_KNOWN))
         if inner[-2:] == ('model', 'plugin') and any(
                 word in child.get('filename', '') for word in MODEL_PLUGINS):
             yield from _parameters(child, _below(place, child))
@@ -70,11 +67,11 @@ def _found(element: ElementTree.Element, path: Tuple[str, ...], place: str) -> I
                 default is None or not _changes_nothing(element, child, default)):
             yield state, _label(child) if tag in _TOLD else '<{}>'.format(tag), place
         elif state == SIMULATED:
-            kind = 'shape' if element.tag == 'geometry' else tag
-            if kind in seen and kind not in _MANY:
-                yield NOT_USED, 'second {}<{}>'.format('shape ' * (kind != tag), tag), place
-            seen.add(kind)
-            if default == _BOOLEAN:
+            group = 'shape' if element.tag == 'geometry' else tag
+            if group in seen and group not in _MANY:
+                yield NOT_USED, 'second {}<{}>'.format('shape ' * (group != tag), tag), place
+            seen.add(group)
+            if kind == 'bool':
                 yield from _boolean(child, place)
             if tag in _FRICTIONS and _value(child).startswith('-'):
                 yield NOT_USED, '<{0}>{1}</{0}>, which means unlimited friction in Gazebo,'.format(
@@ -102,27 +99,6 @@ def _meant(file: str) -> str:
     return most_similar(name, _SHORT_NAMES, _SIMILAR_NAME)
 
 
-@functools.lru_cache(maxsize=None)
-def row_of(path: Tuple[str, ...]) -> Fates:
-    """Return the row of the longest end of a path, an empty one without; path: from the root."""
-    ends = ('/'.join(path[start:]) for start in range(len(path)))
-    return next((_FORMATS[path[0]][end] for end in ends if end in _FORMATS[path[0]]), Fates())
-
-
-@functools.lru_cache(maxsize=None)
-def _fates(row: Fates) -> Dict[str, Tuple[str, Optional[str]]]:
-    """Return what becomes of each child, what is drawn as simulated, and the value that changes
-    nothing, if there is one, or _BOOLEAN.
-    """
-    found: Dict[str, Tuple[str, Optional[str]]] = {}
-    for state, words in ((SIMULATED, row.simulated), (SIMULATED, row.drawn),
-                         (NO_EFFECT, row.no_effect), (NOT_SIMULATED, row.not_simulated)):
-        for word in words.split():
-            name, has_default, default = word.replace(_BOOLEAN, '=' + _BOOLEAN).partition('=')
-            found[name] = state, default if has_default else None
-    return found
-
-
 def _changes_nothing(parent: ElementTree.Element, element: ElementTree.Element,
                      default: str) -> bool:
     """Return whether all values in an element are `default`, or it has none."""
@@ -136,8 +112,8 @@ def _value(element: ElementTree.Element) -> str:
 
 
 def _same(text: str, default: str) -> bool:
-    if text.lower() in _WORDS and default in _WORDS:
-        return _WORDS[text.lower()] == _WORDS[default]
+    if text.lower() in TRUE + FALSE and default in TRUE + FALSE:
+        return is_true(text) == is_true(default)
     try:
         values = [float(value) for value in text.split()]
         wanted = [float(value) for value in default.split(',')]
@@ -149,7 +125,7 @@ def _same(text: str, default: str) -> bool:
 
 def _boolean(element: ElementTree.Element, place: str) -> Iterator[_Found]:
     text = (element.text or '').strip()
-    if text.lower() not in _WORDS:
+    if text.lower() not in TRUE + FALSE:
         yield NOT_KNOWN, '<{}>{}</{}>, which is neither true nor false,'.format(
             element.tag, text, element.tag), place
 

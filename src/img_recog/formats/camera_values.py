@@ -1,12 +1,10 @@
 """The settings of a camera that SDF's <sensor> and the plugins of gazebo_plugins give."""
 import xml.etree.ElementTree as ElementTree
-from typing import Any, Dict, Iterator, List, Optional
+from typing import Any, Dict, Iterator, List, Mapping, Optional
 
 from img_recog import rotations
-from img_recog.errors import SimulationError
 from img_recog.formats import lenses, noises
-from img_recog.formats.numbers import read_number, read_numbers, read_whole
-from img_recog.formats.texts import name_of, text_of
+from img_recog.formats.reader import is_true, name_of, read, value
 from img_recog.rotations import Transform, transform
 
 Values = Dict[str, Any]
@@ -19,20 +17,19 @@ _LEFT, _RIGHT = 'left', 'right'
 _DEPTH, _WIDE = 'depth', 'wideanglecamera'
 _POSE = ('camera_x', 'camera_y', 'camera_z', 'camera_roll', 'camera_pitch', 'camera_yaw')
 _MAX_IGNORED = 1e-6         # of a coefficient: examples have 0.00000001
-# in <camera>
-_NUMBERS = {'horizontal_fov': 'camera_horizontal_fov', 'clip/near': 'camera_near',
-            'clip/far': 'camera_far'}
-_WHOLE_NUMBERS = {'image/width': 'camera_width', 'image/height': 'camera_height'}
-# of SDF
-_DEFAULTS = {'camera_width': 320, 'camera_height': 240, 'camera_horizontal_fov': 1.047,
-             'camera_near': 0.1, 'camera_far': 100.0}
+# paths in <camera> and their settings
+_CAMERA = {'image/width': 'camera_width', 'image/height': 'camera_height',
+           'horizontal_fov': 'camera_horizontal_fov', 'clip/near': 'camera_near',
+           'clip/far': 'camera_far'}
 # of <image><format>, as libgazebo_ros_camera names them
 _ENCODINGS = {'R8G8B8': 'rgb8', 'RGB_INT8': 'rgb8', 'B8G8R8': 'bgr8', 'BGR_INT8': 'bgr8',
               'L8': 'mono8', 'L_INT8': 'mono8'}
 _DISTORTION = {'distortion/' + name: 'camera_' + name for name in ('k1', 'k2', 'k3', 'p1', 'p2')}
-_LENS = {'lens/cutoff_angle': 'camera_cutoff_angle'}
-_CUSTOM = {'lens/custom_function/' + name: 'camera_' + name for name in ('c1', 'c2', 'c3', 'f')}
-_LENS_SIZE = {'lens/env_texture_size': 'camera_env_texture_size'}
+_SCALE = {'lens/scale_to_hfov': 'camera_scale_to_hfov'}
+_LENS = {'lens/cutoff_angle': 'camera_cutoff_angle',
+         'lens/env_texture_size': 'camera_env_texture_size'}
+_CUSTOM = {'lens/custom_function/' + name: 'camera_' + name
+           for name in ('c1', 'c2', 'c3', 'f', 'fun')}
 # in the plugin; Gazebo writes them to the camera info, and does not distort the image by them
 _CLAIMED_DISTORTION = tuple('distortion' + name for name in ('K1', 'K2', 'K3', 'T1', 'T2'))
 _OTHER_TOPICS = {'reflectanceTopicName': 'reflectance', 'normalsTopicName': 'normals'}
@@ -72,8 +69,8 @@ def not_simulated(sensor: ElementTree.Element, plugin: ElementTree.Element) -> L
     for camera in sensor.findall('camera'):
         if sensor.get('type') == _WIDE and any(_is_given(camera, tag) for tag in _DISTORTION):
             found.append('distortion')
-        if _format(camera) not in _ENCODINGS:
-            found.append('format {}'.format(_format(camera)))
+        if value(camera, 'image/format') not in _ENCODINGS:
+            found.append('format {}'.format(value(camera, 'image/format')))
         if camera.find('lens/intrinsics') is not None:
             found.append('lens intrinsics')
         if sensor.get('type') == 'multicamera' and not _side_of(camera):
@@ -81,39 +78,35 @@ def not_simulated(sensor: ElementTree.Element, plugin: ElementTree.Element) -> L
     return found
 
 
-def _format(camera: ElementTree.Element) -> str:
-    return text_of(camera, 'image/format') or 'R8G8B8'
-
-
 def _is_given(owner: ElementTree.Element, path: str) -> bool:
     text = owner.findtext(path)
-    return text is not None and abs(read_number('<{}>'.format(path), text)) > _MAX_IGNORED
+    return text is not None and abs(read('number', text, '<{}>'.format(path))) > _MAX_IGNORED
 
 
 def _of_camera(sensor: ElementTree.Element, camera: ElementTree.Element) -> Values:
     """Return the settings that a sensor and its camera give."""
-    of = ' of sensor ' + name_of(sensor)
+    owner = 'sensor ' + name_of(sensor)
     is_wide = sensor.get('type') == _WIDE
-    values: Values = {**_DEFAULTS, **_pose(sensor, camera, of)}
-    noise = noises.read(camera.find('noise'), '<noise>' + of)
+    values = {**_values(camera, _CAMERA, owner), **_pose(sensor, camera, owner)}
+    noise = noises.read(camera.find('noise'), '<noise> of ' + owner)
     if any(noise):
         values['camera_noise'], values['camera_noise_mean'] = noise.deviation, noise.mean
-    if _format(camera) in _ENCODINGS:
-        values['camera_encoding'] = _ENCODINGS[_format(camera)]
-    if is_wide:
-        values.update(_lens(camera, of))
-    for path, setting in {**_NUMBERS, **(_LENS if is_wide else _DISTORTION)}.items():
-        if text_of(camera, path):
-            values[setting] = read_number('<{}>{}'.format(path, of), camera.findtext(path))
-    for path, setting in {**_WHOLE_NUMBERS, **(_LENS_SIZE if is_wide else {})}.items():
-        if text_of(camera, path):
-            values[setting] = read_whole('<{}>{}'.format(path, of), camera.findtext(path))
+    encoding = _ENCODINGS.get(value(camera, 'image/format'))
+    if encoding:
+        values['camera_encoding'] = encoding
+    values.update(_values(camera, _lens(camera, values) if is_wide else _DISTORTION, owner))
     return values
 
 
-def _pose(sensor: ElementTree.Element, camera: ElementTree.Element, of: str) -> Values:
+def _values(camera: ElementTree.Element, paths: Mapping[str, str], owner: str) -> Values:
+    """Return the values at some paths, by their settings, but for those that are not given."""
+    found = {setting: value(camera, path, owner) for path, setting in paths.items()}
+    return {setting: each for setting, each in found.items() if each is not None}
+
+
+def _pose(sensor: ElementTree.Element, camera: ElementTree.Element, owner: str) -> Values:
     """Return where the camera is in the link: its pose is in the frame of the sensor."""
-    poses = [read_numbers('<pose>' + of, pose.text, 6).tolist()
+    poses = [read('6numbers', pose.text, '<pose> of ' + owner).tolist()
              for pose in (sensor.find('pose'), camera.find('pose')) if pose is not None]
     if len(poses) == 2:
         outer, inner = (transform(pose[:3], pose[3:]) for pose in poses)
@@ -125,52 +118,41 @@ def _numbers(pose: Transform) -> List[float]:
     return [*pose.translation.tolist(), *rotations.to_rpy(pose.rotation).tolist()]
 
 
-def _lens(camera: ElementTree.Element, of: str) -> Values:
-    kind = text_of(camera, 'lens/type') or 'stereographic'
-    if kind != lenses.CUSTOM:
-        return {'camera_lens': kind, **_scale(camera, of)}
-    if camera.find('lens/custom_function') is None:     # like Gazebo
-        return {'camera_lens': 'stereographic', **_scale(camera, of)}
-    values: Values = {'camera_lens': kind, **_scale(camera, of)}
-    for path, setting in _CUSTOM.items():
-        if camera.find(path) is not None:
-            values[setting] = read_number('<{}>{}'.format(path, of), camera.findtext(path))
-    function = text_of(camera, 'lens/custom_function/fun')
-    return {**values, **({'camera_fun': function} if function else {})}
-
-
-def _scale(camera: ElementTree.Element, of: str) -> Values:
-    text = camera.findtext('lens/scale_to_hfov')
-    return {} if text is None else {'camera_scale_to_hfov': _flag('<lens/scale_to_hfov>' + of,
-                                                                  text)}
+def _lens(camera: ElementTree.Element, values: Values) -> Dict[str, str]:
+    """Set the type of a lens, and return the paths of what else it has, with their settings."""
+    kind = value(camera, 'lens/type')
+    if kind == lenses.CUSTOM and camera.find('lens/custom_function') is None:
+        kind = 'stereographic'          # as in Gazebo
+    values['camera_lens'] = kind
+    return {**_SCALE, **(_CUSTOM if kind == lenses.CUSTOM else {}), **_LENS}
 
 
 def _of_plugin(sensor: ElementTree.Element, plugin: ElementTree.Element, side: str) -> Values:
     """Return the settings that a plugin gives: rate, topics and frame; side: see `_side_of`."""
-    of = ' of sensor ' + name_of(sensor)
+    name = 'sensor ' + name_of(sensor)
     values: Values = dict(_names(plugin, sensor.get('type') == _DEPTH, side))
-    rates = [read_number('<{}>{}'.format(tag, of), owner.findtext(tag))
+    rates = [read('number', owner.findtext(tag), '<{}> of {}'.format(tag, name))
              for owner, tag in ((plugin, 'updateRate'), (sensor, 'update_rate'))
              if owner.find(tag) is not None]
     # a rate of 0 means "as fast as possible" in Gazebo; here it leaves the default
     if any(rates):
         values['camera_rate'] = min(filter(None, rates))
     if side != _LEFT and plugin.find('hackBaseline') is not None:
-        values['camera_baseline'] = read_number('<hackBaseline>' + of,
-                                                plugin.findtext('hackBaseline'))
+        values['camera_baseline'] = read('number', plugin.findtext('hackBaseline'),
+                                         '<hackBaseline> of ' + name)
     if sensor.get('type') == _DEPTH:
-        values.update(_depth(plugin, of))
+        values.update(_depth(plugin, name))
         if 'gazebo_ros_depth_camera' in plugin.get('filename', ''):     # it has no upper limit
             del values['camera_points_max']
     return values
 
 
-def _depth(plugin: ElementTree.Element, of: str) -> Iterator:
+def _depth(plugin: ElementTree.Element, name: str) -> Iterator:
     for tag, setting, default in (('pointCloudCutoff', 'camera_points_min', '0.4'),
                                   ('pointCloudCutoffMax', 'camera_points_max', '5.0')):
-        yield setting, read_number('<{}>{}'.format(tag, of), plugin.findtext(tag, default))
-    is_short = plugin.findtext('useDepth16UC1Format', 'false')
-    if _flag('<useDepth16UC1Format>' + of, is_short):
+        yield setting, read('number', plugin.findtext(tag, default),
+                            '<{}> of {}'.format(tag, name))
+    if is_true(plugin.findtext('useDepth16UC1Format')):
         yield 'camera_depth_encoding', '16UC1'
 
 
@@ -198,10 +180,3 @@ def _names(plugin: ElementTree.Element, has_depth: bool, side: str) -> Values:
                                                   'depth/camera_info')
         values['camera_points_topic'] = topic('pointCloudTopicName', 'points')
     return values
-
-
-def _flag(name: str, text: str) -> bool:
-    word = text.strip().lower()
-    if word not in ('true', 'false', '1', '0'):
-        raise SimulationError('{}: got {!r}, expected true, false, 1 or 0'.format(name, text))
-    return word in ('true', '1')

@@ -5,7 +5,7 @@ from typing import Any, Callable, Dict, List, Mapping, NamedTuple, Optional
 
 from img_recog.errors import SimulationError, shortened
 from img_recog.formats.gazebo_tags import DriveDescription, Tags, Values, is_of
-from img_recog.formats.texts import name_of, text_of
+from img_recog.formats.reader import name_of, text_of
 from img_recog.model import PLANAR
 from img_recog.report import NOT_SIMULATED, Report
 from img_recog.settings import computable, nearest_period

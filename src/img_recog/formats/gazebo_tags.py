@@ -2,7 +2,7 @@
 
 They are in the <gazebo> tags of a URDF, and in the links and the models of an SDF.
 
-drive_tags.py has the rows of drives, camera_values.py reads those of cameras, urdf_links.py
+drive_tags.py has the rows of drives, camera_values.py reads those of cameras, urdf.py
 friction. The rows of each kind of sensors are beside its class, as `Tags`;
 simulation/sensors/in_files.py looks for them.
 """
@@ -11,8 +11,8 @@ import xml.etree.ElementTree as ElementTree
 from typing import Any, Callable, Dict, Iterable, Mapping, NamedTuple, Optional, Sequence
 
 from img_recog.errors import SimulationError
-from img_recog.formats.numbers import whole
-from img_recog.formats.texts import text_of
+from img_recog.formats import reader
+from img_recog.formats.reader import text_of
 from img_recog.settings import computable, nearest_period
 
 Values = Dict[str, Any]
@@ -158,14 +158,6 @@ def _value(owner: ElementTree.Element, path: str, reader: Reader) -> Any:
             path, label(owner, 'name'), text, reader.expected))
 
 
-def _number(text: str) -> float:
-    """Return the number that a text begins with, as sdformat reads it."""
-    value = float(next(iter(text.split()), ''))
-    if not math.isfinite(value):
-        raise ValueError(text)
-    return value
-
-
 def _topic(text: str) -> str:
     if not text.strip('/'):
         raise ValueError(text)
@@ -174,7 +166,7 @@ def _topic(text: str) -> str:
 
 def _deviation(text: str) -> Optional[float]:
     """Return a standard deviation, of several their root mean square, None for 0."""
-    values = [computable(_number(each)) for each in text.split()]
+    values = [computable(reader.number(each)) for each in text.split()]
     if not values:
         raise ValueError(text)
     return math.sqrt(sum(value ** 2 for value in values) / len(values)) or None
@@ -191,13 +183,11 @@ NAMES = Reader('names', lambda text: ', '.join(_topic(name).strip('/ ')
                                                for name in text.split(',')))
 # in the <robotNamespace> of the plugin, unless it has a leading slash
 TOPIC = Reader('a name', _topic)
-NUMBER = Reader('a finite number', _number)
-INTEGER = Reader('a whole number', whole)
-FLAG = choice('true, false, 1 or 0', {'true': True, '1': True, 'false': False, '0': False})
-POSITIVE = Reader('a finite number', lambda text: max(_number(text), 0.0) or None)
+NUMBER, INTEGER, FLAG = (Reader(*each) for each in (reader.NUMBER, reader.WHOLE, reader.FLAG))
+POSITIVE = Reader('a finite number', lambda text: max(reader.number(text), 0.0) or None)
 # for one or each axis
 DEVIATION = Reader('finite numbers', _deviation)
 # in Hz, for the setting of a period; 0 means each step of the physics, as in Gazebo
 RATE = Reader('a finite number',
-              lambda text: max(computable(_number(text)), 0.0) or math.inf)
+              lambda text: max(computable(reader.number(text)), 0.0) or math.inf)
 EACH_STEP = 0.0             # the default of a period

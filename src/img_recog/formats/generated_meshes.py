@@ -3,19 +3,42 @@
 They are Wavefront OBJ files in the user's folder for caches, named by their content. They can be
 deleted while no world is loaded.
 """
+import hashlib
 import math
 import os
-from typing import List, Sequence, Tuple
+import tempfile
+from typing import Callable, List, Sequence, Tuple
 
 import numpy as np
 
-from img_recog.errors import SimulationError
-from img_recog.formats.kept_files import kept
+from img_recog.errors import SimulationError, one_line
+from img_recog.files import cache_folder
 
 _FOLDER = 'generated_1'    # another number when the files change
 _MAX_CORNERS = 1000     # of an outline
 
 _Mesh = Tuple[np.ndarray, np.ndarray, np.ndarray]       # vertices, faces and uvs, as for `write`
+
+
+def kept(kind: str, content: bytes, suffix: str, make: Callable[[str], str]) -> str:
+    """Return the path of the file that is made of some content; it is made if it is not there.
+
+    kind: the folder in the cache; suffix: of the name. make: makes a file in the folder that it
+    gets, and returns its path; what it raises is not kept.
+    Raises SimulationError when the cache cannot be written.
+    """
+    folder = cache_folder(kind)
+    path = os.path.join(folder, hashlib.sha256(content).hexdigest() + suffix)
+    try:
+        if not os.path.isfile(path):
+            os.makedirs(folder, exist_ok=True)
+            # another process may write the same file
+            with tempfile.TemporaryDirectory(dir=folder) as own:
+                os.replace(make(own), path)
+    except OSError as error:
+        raise SimulationError('cannot write to {}: {}'.format(folder, one_line(error)),
+                              'set XDG_CACHE_HOME to a folder where files can be written')
+    return path
 
 
 def write(vertices: np.ndarray, faces: np.ndarray, uvs: np.ndarray) -> str:

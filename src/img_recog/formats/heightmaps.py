@@ -10,8 +10,7 @@ import numpy as np
 from img_recog.errors import SimulationError, one_line
 from img_recog.files import FindFile, no_file, plain
 from img_recog.formats import elevations, generated_meshes
-from img_recog.formats.numbers import read_lengths, read_number, read_whole
-from img_recog.formats.texts import text_of
+from img_recog.formats.reader import text_of, value
 from img_recog.model import HEIGHTMAP, Material, Shape
 from img_recog.rotations import IDENTITY, Transform
 
@@ -46,11 +45,10 @@ def shape(name: str, element: ElementTree.Element, find: FindFile) -> Tuple[Shap
     if not (size[:2] > 0).all():
         raise SimulationError('<size> of {}: got {!r}, expected more than 0'.format(
             name, element.findtext('size')))
-    sampling = read_whole('<sampling> of ' + name, element.findtext('sampling', '2'))
-    made = Shape(HEIGHTMAP, (*size.tolist(), max(sampling, 1)), os.path.abspath(path))
+    sampling = max(value(element, 'sampling', name), 1)
+    made = Shape(HEIGHTMAP, (*size.tolist(), sampling), os.path.abspath(path))
     read(made)
-    position = read_lengths('<pos> of ' + name, element.findtext('pos', '0 0 0'), 3)
-    return made, IDENTITY._replace(translation=position)
+    return made, IDENTITY._replace(translation=value(element, 'pos', name))
 
 
 def _size(name: str, element: ElementTree.Element, path: str) -> np.ndarray:
@@ -60,7 +58,7 @@ def _size(name: str, element: ElementTree.Element, path: str) -> np.ndarray:
             found = elevations.read(path, _MAX_PIXELS)
         if found is not None:
             return np.array(found.size)
-    return read_lengths('<size> of ' + name, element.findtext('size', '1 1 1'), 3)
+    return value(element, 'size', name)
 
 
 def read(shape: Shape) -> Heightmap:
@@ -119,13 +117,12 @@ def write_mesh(shape: Shape) -> str:
 
 def material(element: ElementTree.Element, find: FindFile) -> Material:
     """Return what a heightmap of an SDF looks like: its first texture, else the color of earth."""
-    size = read_lengths('size', element.findtext('size', '1 1 1'), 3)
+    size = value(element, 'size')
     texture = element.find('texture')
     path = None if texture is None else find(text_of(texture, 'diffuse'))
     if texture is None or path is None or not os.path.isfile(path):
         return Material(_EARTH)
-    length = read_number('<size> of texture', texture.findtext('size', '10'))
-    width, depth = (float(length / each) or 1.0 for each in size[:2])
+    width, depth = (float(value(element, 'texture/size') / each) or 1.0 for each in size[:2])
     return Material((1.0, 1.0, 1.0, 1.0), os.path.abspath(path), (width, depth))
 
 

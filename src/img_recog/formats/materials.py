@@ -1,19 +1,137 @@
 """The materials of SDF visuals: colors, Gazebo's named materials, and Ogre's scripts."""
+import os
+import re
 import xml.etree.ElementTree as ElementTree
-from typing import Optional, Sequence
+from typing import Dict, Iterator, List, NamedTuple, Optional, Sequence, Tuple
 
-import numpy as np
-
-from img_recog.files import FindFile
-from img_recog.formats import gazebo_materials, material_scripts
-from img_recog.formats.numbers import read_number, read_numbers
-from img_recog.formats.texts import name_of, text_of
+from img_recog.files import FindFile, plain
+from img_recog.formats import gazebo_materials
+from img_recog.formats.reader import text_of, value
 from img_recog.model import Color, Material, Rgb
 from img_recog.report import NOT_FOUND, Report
 
+_MAX_BYTES = 1 << 20
+_MAX_PARENTS = 10
+_COMMENT = re.compile(r'//[^\n]*|/\*.*?\*/', re.DOTALL)
+_HEAD = re.compile(
+    r'^[ \t]*(?:abstract\s+)?material\s+("[^"]+"|[^\s{:]+)\s*(?::\s*([^\s{]+)\s*)?{',
+    re.MULTILINE)
+_CUTOUT = r'\balpha_rejection\s+(?!always_pass)|\bscene_blend\s+alpha_blend'
+# what a shader gets as images besides colors, by the names that are usual for them
+_NO_COLORS = re.compile(r'normal|bump|height|cube|environment|reflect|specular',
+                        re.IGNORECASE)
+_WHITE = (1.0, 1.0, 1.0)
+_NUMBER = r'[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?'
+_NUMBERS = r'\b{}((?:\s+' + _NUMBER + r'){{{}}}(?:\s+' + _NUMBER + r')?)(?=[\s}}])'
 _DEFAULT = '__default__'                # SDF's own word for no script
 _SCRIPTS = 'file://media/materials/scripts'     # where Gazebo looks for what names no file
 _DARK: Rgb = (0.0, 0.0, 0.0)
+
+
+class _Script(NamedTuple):
+    """A material of a script; parent: its name, '' for none."""
+
+    parent: str
+    block: str
+
+
+def find_in_scripts(name: str, folders: Sequence[str]) -> Optional[Tuple[Material, str]]:
+    """Return the material of that name, and its texture if that is not found or ''.
+
+    folders: of scripts and textures, or the paths of scripts. None if there is no such material.
+    """
+    scripts: Dict[str, _Script] = {}
+    for path in folders:
+        for text in _texts(path):
+            for each, script in _materials(text):
+                scripts.setdefault(each, script)
+    blocks: List[str] = []
+    while name in scripts and len(blocks) < _MAX_PARENTS:
+        blocks.append(scripts[name].block)
+        name = scripts[name].parent
+    return _material(blocks, folders) if blocks else None
+
+
+def _texts(path: str) -> Iterator[str]:
+    """Yield the texts of a script or of those in a folder."""
+    paths = [path]
+    if os.path.isdir(path):
+        paths = sorted(os.path.join(path, name) for name in os.listdir(path)
+                       if name.endswith('.material'))
+    for each in paths:
+        try:
+            if os.path.isfile(each) and os.path.getsize(each) <= _MAX_BYTES:
+                with open(each, errors='replace', opener=plain) as file:
+                    yield _COMMENT.sub('', file.read())
+        except OSError:     # it counts as not found
+            pass
+
+
+def _materials(text: str) -> Iterator[Tuple[str, _Script]]:
+    heads = list(_HEAD.finditer(text))
+    for head, following in zip(heads, [*(each.start() for each in heads[1:]), len(text)]):
+        yield head.group(1).strip('"'), _Script(head.group(2) or '', text[head.end():following])
+
+
+def _material(blocks: Sequence[str], folders: Sequence[str]) -> Tuple[Material, str]:
+    """Return what a script states, blocks: its own and those of its parents."""
+    diffuse, ambient, emissive = (_numbers(key, 3, blocks)
+                                  for key in ('diffuse', 'ambient', 'emissive'))
+    red, green, blue, opacity = [*(diffuse or _WHITE), 1.0][:4]
+    if _first(r'\blighting\s+off\b', blocks):      # it is as it is
+        red = green = blue = 0.0
+        ambient, emissive = (0.0, 0.0, 0.0), _WHITE
+    # the last of three to five numbers is the exponent
+    *specular, shininess = _numbers('specular', 4, blocks) or (0.0, 0.0, 0.0, 0.0)
+    texture = next((found for block in blocks for found in map(_color_texture, _units(block))
+                    if found), '')
+    width, height = [*(_numbers('scale', 1, blocks) if texture else ()), 1.0, 1.0][:2]
+    material = Material((red, green, blue, opacity), '', (width or 1.0, height or 1.0),
+                        _first(_CUTOUT, blocks) is not None, _rgb(ambient or _WHITE),
+                        _rgb(specular), shininess, _rgb(emissive or (0.0, 0.0, 0.0)))
+    if not texture:
+        return material, ''
+    path = _texture(texture, folders)
+    return material._replace(texture=path), '' if path else 'texture ' + texture
+
+
+def _rgb(values: Sequence[float]) -> Rgb:
+    red, green, blue = values[:3]
+    return red, green, blue
+
+
+def _units(block: str) -> Iterator[str]:
+    """Yield the name and the content of each texture_unit."""
+    for unit in re.finditer(r'\btexture_unit\b([^{]*{[^}]*)', block):
+        yield unit.group(1)
+
+
+def _color_texture(unit: str) -> str:
+    """Return the image of a texture_unit, '' if it has none or one that is not of colors."""
+    found = re.search(r'\btexture\s+(?:"([^"\n]+)"|(\S+))', unit)
+    return '' if found is None or _NO_COLORS.search(unit) else found.group(1) or found.group(2)
+
+
+def _first(pattern: str, blocks: Sequence[str]) -> 'Optional[re.Match[str]]':
+    return next((found for found in (re.search(pattern, block) for block in blocks) if found),
+                None)
+
+
+def _numbers(key: str, count: int, blocks: Sequence[str]) -> Sequence[float]:
+    """Return so many numbers of a property, or one more; () without it."""
+    found = _first(_NUMBERS.format(key, count), blocks)
+    return [float(word) for word in found.group(1).split()] if found else ()
+
+
+def _texture(name: str, folders: Sequence[str]) -> str:
+    """Return the path of a texture, '' if it is in none of the folders, nor in their textures."""
+    for folder in folders:
+        base = folder if os.path.isdir(folder) else os.path.dirname(folder)
+        for path in (os.path.join(base, name),
+                     os.path.join(os.path.dirname(base), 'textures', name)):
+            if os.path.isfile(path):
+                return os.path.abspath(path)
+    return ''
 
 
 def of_sdf(visual: ElementTree.Element, find: FindFile, report: Report) -> Optional[Material]:
@@ -25,15 +143,15 @@ def of_sdf(visual: ElementTree.Element, find: FindFile, report: Report) -> Optio
     is not found.
     """
     material = _scripted(visual, find, report)
-    colors = {tag: color_of(visual, 'material/' + tag)
+    colors = {tag: value(visual, 'material/' + tag)
               for tag in ('ambient', 'diffuse', 'specular', 'emissive')}
     if any(color is not None for color in colors.values()):
         material = _colored(material or Material(), **colors)
-    if text_of(visual, 'material/lighting').lower() in ('0', 'false'):      # it is as it is
+    if not value(visual, 'material/lighting'):      # it is as it is
         material = material or Material()
         material = material._replace(color=(*_DARK, material.color[3]), ambient=_DARK,
                                      specular=_DARK, emissive=(1.0, 1.0, 1.0))
-    return material and material.faded(opacity(visual))
+    return material
 
 
 def _colored(material: Material, ambient: Optional[Color], diffuse: Optional[Color],
@@ -48,25 +166,7 @@ def _colored(material: Material, ambient: Optional[Color], diffuse: Optional[Col
 
 def opacity(visual: ElementTree.Element) -> float:
     """Return the opacity that the <transparency> of an SDF <visual> leaves."""
-    transparency = read_number('<transparency> of visual ' + name_of(visual),
-                               visual.findtext('transparency', '0'))
-    return min(max(1.0 - transparency, 0.0), 1.0)
-
-
-def color_of(element: ElementTree.Element, path: str) -> Optional[Color]:
-    """Return a color in an element, None without; an opacity may be omitted.
-
-    Like in Gazebo, what is more than 1 counts as of 255.
-    """
-    text = element.findtext(path)
-    if text is None:
-        return None
-    words = text.split()
-    values = read_numbers(
-        '<{}> of {} {}'.format(path.split('/')[-1], element.tag, name_of(element)),
-        ' '.join(words + ['1'] * (len(words) == 3)), 4)
-    red, green, blue, alpha = np.where(values > 1, values / 255, values).clip(0, 1).tolist()
-    return red, green, blue, alpha
+    return min(max(1.0 - value(visual, 'transparency'), 0.0), 1.0)
 
 
 def of_script(name: str, uris: Sequence[str], find: FindFile,
@@ -82,7 +182,7 @@ def of_script(name: str, uris: Sequence[str], find: FindFile,
     if material is not None:
         return material
     paths = [path for path in map(find, uris or [_SCRIPTS]) if path is not None]
-    found, missing = material_scripts.find(name, paths) or (None, 'material ' + name)
+    found, missing = find_in_scripts(name, paths) or (None, 'material ' + name)
     if missing:
         report.add(NOT_FOUND, missing)
     return found

@@ -4,8 +4,7 @@ from typing import Any, NamedTuple, Optional, Tuple
 
 import numpy as np
 
-from img_recog.formats.numbers import read_number
-from img_recog.formats.texts import text_of
+from img_recog.formats.reader import text_of, value
 
 _GROUPS = {'rate': 'angular_velocity', 'accel': 'linear_acceleration'}
 _QUANTIZED = 'gaussian_quantized'
@@ -44,8 +43,7 @@ def read(noise: Optional[ElementTree.Element], name: str) -> Noise:
     if noise is None or kind not in ('gaussian', _QUANTIZED):
         return Noise()
     tags = ('mean', 'stddev', 'bias_mean', 'bias_stddev') + ('precision',) * (kind == _QUANTIZED)
-    return Noise(*(read_number('<{}> of {}'.format(tag, name), noise.findtext(tag, '0'))
-                   for tag in tags))
+    return Noise(*(value(noise, tag, name) for tag in tags))
 
 
 def of_imu(imu: ElementTree.Element, name: str) -> Optional[Tuple[Noise, ...]]:

@@ -3,28 +3,27 @@ import copy
 import os
 import re
 import xml.etree.ElementTree as ElementTree
-from typing import Dict, List, NamedTuple, Optional, Sequence, Set, Tuple
+from typing import Callable, Dict, List, NamedTuple, Optional, Sequence, Set, Tuple
 from urllib.parse import unquote
 
 import numpy as np
 
 from img_recog.errors import SimulationError
-from img_recog.files import FindFile
-from img_recog.formats import (lights, sdf_frames, sdf_models, sdf_populations, sdf_roads,
-                               sdf_states)
-from img_recog.formats import audit
-from img_recog.formats.markup import parse_xml
-from img_recog.formats.numbers import read_numbers
-from img_recog.formats.sdf_files import find_above, find_relative, model_file, parsed
+from img_recog.files import FindFile, plain
+from img_recog.formats import (audit, gazebo_materials, generated_meshes, lights, materials,
+                               sdf_frames, sdf_models, sdf_populations, sdf_states, sdf_versions)
+from img_recog.formats.markup import MarkupError, parse_xml, read_bytes
+from img_recog.formats.reader import name_of, text_of, value, values
 from img_recog.formats.sdf_frames import Scope
 from img_recog.formats.sdf_joints import INCLUDED
 from img_recog.formats.sdf_states import Starts
 from img_recog.formats.sdf_versions import Version, version_of
-from img_recog.formats.texts import is_true, name_of, text_of
-from img_recog.model import SUN, Light, Surroundings, Tree
+from img_recog.model import MESH, SUN, Light, Link, Look, Model, Shape, Surroundings, Tree
 from img_recog.report import NOT_DOWNLOADED, NOT_USED, Finding, Report
-from img_recog.rotations import Transform
+from img_recog.rotations import IDENTITY, Transform
 
+_ABOVE_M = 0.005        # so that the floor is not seen in it
+_ASPHALT = gazebo_materials.named('Gazebo/Road')
 GRAVITY: Tuple[float, ...] = (0.0, 0.0, -9.8)       # m/s2, Gazebo's default
 _MODEL_URI = 'model://'
 _GROUND_PLANE = 'ground_plane'      # its name, and in place of the path of its file
@@ -47,6 +46,56 @@ _GROUND_PLANE_XML = '''
 _MAX_NESTED, _MAX_INCLUDED = 100, 5000     # models in one another; included ones in total
 _Found = Tuple[ElementTree.Element, Version, str]
 _URLS = ('http://', 'https://', 'ftp://')
+
+
+def find_relative(folder: str, find: FindFile) -> Callable[[str], Optional[str]]:
+    """Return a function that finds files and folders: a relative path in `folder` first."""
+    def found(uri: str) -> Optional[str]:
+        path = uri[len('file://'):] if uri.startswith('file://') else uri
+        joined = os.path.join(folder, path)
+        return joined if path and '://' not in path and os.path.exists(joined) else find(uri)
+    return found
+
+
+def find_above(folder: str, path: str) -> Optional[str]:
+    """Return where a model's path is: in a folder above, or in `models` in one."""
+    while True:
+        for candidate in (os.path.join(folder, path), os.path.join(folder, 'models', path)):
+            if os.path.exists(candidate):
+                return candidate
+        parent = os.path.dirname(folder)
+        if parent == folder:
+            return None
+        folder = parent
+
+
+def model_file(path: str) -> Optional[str]:
+    """Return the SDF file of a model: of a folder, that of the newest version in model.config."""
+    if os.path.isfile(path):
+        return os.path.abspath(path)
+    names = ['model.sdf']
+    config = os.path.join(path, 'model.config')
+    if os.path.isfile(config):
+        found = [(sdf_versions.version_of(sdf), (sdf.text or '').strip())
+                 for sdf in parsed(config, 'model').findall('sdf')]
+        names = [name for _, name in sorted(found, reverse=True) if name] + names
+    paths = (os.path.join(path, name) for name in names)
+    return next((os.path.abspath(each) for each in paths if os.path.isfile(each)), None)
+
+
+def parsed(path: str, tag: str = 'sdf') -> ElementTree.Element:
+    """Return the root element of a file; raise SimulationError if its tag is not `tag`."""
+    try:
+        root = parse_xml(read_bytes(path, opener=plain))
+    except (OSError, ValueError) as error:
+        raise SimulationError('cannot read {} ({})'.format(path, error))
+    except MarkupError as error:
+        raise SimulationError('cannot use {} ({})'.format(path, error.problem), error.advice)
+    if root.tag != tag:
+        raise SimulationError('the root element of {} is <{}>, not <{}>'.format(
+            path, root.tag, tag))
+    sdf_versions.unify(root)
+    return root
 
 
 class WorldFile(NamedTuple):
@@ -81,15 +130,14 @@ def read(root: ElementTree.Element, path: str, find: FindFile, report: Report) -
     gravity, camera, surroundings = GRAVITY, None, Surroundings()
     if world is not None:
         with report.left_out():
-            text = world.findtext('gravity')
-            in_physics = world.findtext('physics/gravity')
-            if text is None and in_physics is not None and version_of(root) >= (1, 6):
+            given, in_physics = value(world, 'gravity'), value(world, 'physics/gravity')
+            if given is None and in_physics is not None and version_of(root) >= (1, 6):
                 report.add(NOT_USED, '<gravity> in <physics>, since SDF 1.6',
                                      'the world')        # as in Gazebo
-            elif text is None:
-                text = in_physics
-            if text is not None:
-                gravity = tuple(read_numbers('<gravity>', text, 3).tolist())
+            elif given is None:
+                given = in_physics
+            if given is not None:
+                gravity = tuple(given.tolist())
         with report.left_out():
             element = world.find('gui/camera')
             if element is not None and element.find('pose') is not None:
@@ -136,7 +184,7 @@ class _Reader:
                         self._expand(model, path, stack)
                         found.append((model, version, path))
                 elif element.tag == 'road':
-                    self.trees.append(sdf_roads.tree(element, self._finder(path), self._report))
+                    self.trees.append(_road(element, self._finder(path), self._report))
                 elif element.tag == 'actor':
                     raise SimulationError('actor {}'.format(name_of(element)).strip())
         frames = ElementTree.Element('world', name='the world')
@@ -235,7 +283,7 @@ class _Reader:
             with self._report.left_out():
                 for included, _, _ in self._included(include, path, stack):
                     included.set(INCLUDED, '1')
-                    if is_true(included.findtext('static')):        # as in Gazebo
+                    if value(included, 'static'):        # as in Gazebo
                         _replace(model, 'static', included)
                     model.append(included)
         for nested in inside:
@@ -287,3 +335,38 @@ def _is_relative(model: ElementTree.Element) -> bool:
 def _is_in_place(model: ElementTree.Element) -> bool:
     """Return whether a model stands at the origin of the world."""
     return bool(np.allclose(sdf_frames.pose_of(model).matrix(), np.eye(4), atol=1e-9))
+
+
+def _road(road: ElementTree.Element, find: FindFile, report: Report) -> Tree:
+    """Return a <road> as a tree without a collision shape, like in Gazebo.
+
+    find: returns the path of the file at a URI; report: to which is added a look that is not
+    found. Raises SimulationError when a number is wrong, or it has fewer than two points.
+    """
+    name = 'road {}'.format(name_of(road)).strip()
+    points = np.array(values(road, 'point')).reshape(-1, 3)
+    width = value(road, 'width')
+    if len(points) < 2:
+        raise SimulationError('{} has {} points, expected 2 or more'.format(name, len(points)))
+    material = materials.of_sdf(road, find, report)
+    above = IDENTITY._replace(translation=np.array((0.0, 0.0, _ABOVE_M)))
+    strip = Look(Shape(MESH, (1.0, 1.0, 1.0), _strip(points, width)), above, material or _ASPHALT)
+    name = road.get('name', 'road')
+    return Tree(name, Model(name, (Link('link', looks=(strip,)),)), fixed=True)
+
+
+def _strip(points: np.ndarray, width: float) -> str:
+    """Write the mesh of a strip along points (n, 3); return its path."""
+    steps = np.diff(points[:, :2], axis=0)
+    lengths = np.maximum(np.linalg.norm(steps, axis=1), 1e-9)
+    directions = steps / lengths[:, None]
+    # at a corner, across the mean of both directions
+    at_points = np.concatenate([directions[:1], directions[:-1] + directions[1:], directions[-1:]])
+    across = np.column_stack([at_points[:, 1], -at_points[:, 0], np.zeros(len(points))])
+    across /= np.maximum(np.linalg.norm(across, axis=1), 1e-9)[:, None]
+    vertices = np.stack([points - across * width / 2, points + across * width / 2], axis=1)
+    along = np.concatenate([[0.0], np.cumsum(lengths)]) / (width or 1.0)
+    left, right = np.zeros(len(points)), np.ones(len(points))
+    uvs = np.stack([np.column_stack([left, along]), np.column_stack([right, along])], axis=1)
+    return generated_meshes.write(vertices.reshape(-1, 3),
+                                  generated_meshes.grid_faces(len(points), 2), uvs.reshape(-1, 2))

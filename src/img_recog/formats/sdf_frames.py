@@ -4,8 +4,7 @@ from typing import Dict, Optional, Sequence
 
 from img_recog import rotations
 from img_recog.errors import SimulationError
-from img_recog.formats.numbers import read_lengths, words
-from img_recog.formats.texts import name_of, text_of
+from img_recog.formats.reader import name_of, read, text_of, words
 from img_recog.report import NOT_KNOWN, Report
 from img_recog.rotations import IDENTITY, Transform, transform
 
@@ -16,7 +15,7 @@ _MODEL = '__model__'
 def pose_of(element: ElementTree.Element) -> Transform:
     """Return the <pose> of an element, in the frame that it is given in."""
     text = text_of(element, 'pose') or '0 0 0 0 0 0'
-    values = read_lengths('<pose> of {} {}'.format(element.tag, name_of(element)), text, 6)
+    values = read('6lengths', text, '<pose> of {} {}'.format(element.tag, name_of(element)))
     return transform(values[:3], values[3:])
 
 

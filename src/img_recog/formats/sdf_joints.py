@@ -6,10 +6,9 @@ from typing import Callable, Dict, List, Mapping, NamedTuple, Optional, Sequence
 import numpy as np
 
 from img_recog.errors import SimulationError
-from img_recog.formats.numbers import read_axis, read_limit, read_number
+from img_recog.formats.reader import is_true, name_of, text_of, value
 from img_recog.formats.sdf_frames import WORLD, Scope
 from img_recog.formats.sdf_versions import Version
-from img_recog.formats.texts import is_true, name_of, text_of
 from img_recog.model import CONTINUOUS, FIXED, PRISMATIC, REVOLUTE
 from img_recog.report import LEFT_OUT, NOT_USED, Report
 from img_recog.rotations import IDENTITY, Transform
@@ -95,7 +94,7 @@ class Joints:
         """Add a model; pose: of its frame in the outermost one."""
         scope = Scope(model, self._report)
         # Gazebo makes what is included a part of the model, but not a model that is given in it
-        is_static = is_true(model.findtext('static')) or (
+        is_static = value(model, 'static') or (
             is_static and is_true(model.get(INCLUDED)))
         for link in model.findall('link'):
             name = prefix + (link.get('name') or 'link')
@@ -105,11 +104,11 @@ class Joints:
             with self._report.left_out():
                 self.links[name] = SdfLink(
                     name, link, pose @ scope.pose(link),
-                    is_static or is_true(link.findtext('kinematic')),
+                    is_static or value(link, 'kinematic'),
                     name if collides_with_all(link, model) else prefix,
                     Scope(link, self._report, scope),
                     link.find('sensor') is None and model.find('joint') is None
-                    and is_true(model.findtext('allow_auto_disable', '1')))
+                    and value(model, 'allow_auto_disable'))
         for nested in model.findall('model'):
             with self._report.left_out():
                 self._collect(nested, '{}{}::'.format(prefix, name_of(nested)),
@@ -130,10 +129,10 @@ class Joints:
             self._report.add(LEFT_OUT, 'joint {} of type {}, which is held'.format(name, kind))
             kind = FIXED
         joint_pose = pose @ scope.pose(element)
+        owner = 'joint ' + name
         axes = tuple(Axis(self._direction(element, tag, pose, joint_pose, scope),
-                          _limits(name, element.find(tag + '/limit')),
-                          _dynamics(name, element.find(tag + '/dynamics')),
-                          _strength(name, element.find(tag + '/limit')), kind == PRISMATIC)
+                          _limits(element, tag, owner), _dynamics(element, tag, owner),
+                          _strength(element, tag, owner), kind == PRISMATIC)
                      for tag in _AXES[kind])
         if kind == BALL:
             axes = tuple(map(Axis, np.eye(3)))
@@ -146,10 +145,9 @@ class Joints:
             axes = (*axes, Axis(axes[0].direction, slides=True))
         name = _free_name(name, lambda each: any(each == other.name for other in self.joints))
         reference = element.findtext('gearbox_reference_body')
-        tag = _RATIOS.get(kind, '')
         joint = SdfJoint(
             name, kind, parent, child, joint_pose, axes,
-            read_number('<{}> of joint {}'.format(tag, name), element.findtext(tag, '1')),
+            value(element, _RATIOS[kind], owner) if kind in _RATIOS else 1.0,
             self._link_name(name, reference, prefix, model) if reference else '')
         if kind == GEARBOX:
             self.gearboxes.append(joint)
@@ -181,51 +179,44 @@ class Joints:
         axis = joint.find(tag)
         if axis is None:
             return np.array([0.0, 0.0, 1.0])
-        direction = read_axis('<xyz> of joint ' + name_of(joint), axis.findtext('xyz', '0 0 1'))
-        in_model = axis.findtext('use_parent_model_frame')
+        direction = value(joint, tag + '/xyz')
+        in_model = value(joint, tag + '/use_parent_model_frame')
         expressed = axis.find('xyz[@expressed_in]')     # since SDF 1.7
         base: Optional[Transform] = None
         if expressed is not None:
             name = expressed.get('expressed_in', '')
             frame = scope.frame(name, joint) if name else None
             base = frame and model @ frame
-        elif is_true(in_model) or (in_model is None and self._version < (1, 5)):
+        elif in_model or (in_model is None and self._version < (1, 5)):
             base = model        # until SDF 1.4 axes were given in the model's frame
         return direction if base is None else pose.rotation.T @ base.rotation @ direction
 
 
-def _limits(name: str, limit: Optional[ElementTree.Element]) -> Optional[Tuple[float, float]]:
-    if limit is None:
-        return None
-    texts = limit.findtext('lower', '-inf'), limit.findtext('upper', 'inf')
-    lower, upper = (read_limit('<{}> of joint {}'.format(tag, name), text)
-                    for tag, text in zip(('lower', 'upper'), texts))
+def _limits(joint: ElementTree.Element, axis: str, owner: str) -> Optional[Tuple[float, float]]:
+    lower, upper = (value(joint, '{}/limit/{}'.format(axis, end), owner)
+                    for end in ('lower', 'upper'))
     # as in Gazebo, those that are swapped are none
     if lower > upper or min(-lower, upper) >= NO_LIMIT:
         return None
     return max(lower, -NO_LIMIT), min(upper, NO_LIMIT)
 
 
-def _strength(name: str, limit: Optional[ElementTree.Element]) -> Dict[str, float]:
-    found = {} if limit is None else {
-        tag: read_limit('<{}> of joint {}'.format(tag, name), limit.findtext(tag, '-1'))
-        for tag in ('effort', 'velocity')}
-    return {tag: value for tag, value in found.items() if 0 <= value < math.inf}
+def _strength(joint: ElementTree.Element, axis: str, owner: str) -> Dict[str, float]:
+    found = {tag: value(joint, '{}/limit/{}'.format(axis, tag), owner)
+             for tag in ('effort', 'velocity')}
+    return {tag: each for tag, each in found.items() if 0 <= each < math.inf}
 
 
-def _dynamics(name: str, dynamics: Optional[ElementTree.Element]) -> Dict[str, float]:
-    if dynamics is None:
-        return {}
-    found = {key: read_number('<{}> of joint {}'.format(tag, name), dynamics.findtext(tag))
-             for key, tag in _DYNAMICS.items() if dynamics.find(tag) is not None}
-    if 'damping' in found:
-        found['damping'] = abs(found['damping'])        # as in Gazebo
-    return found
+def _dynamics(joint: ElementTree.Element, axis: str, owner: str) -> Dict[str, float]:
+    dynamics = {field: value(joint, '{}/dynamics/{}'.format(axis, tag), owner)
+                for field, tag in _DYNAMICS.items()}
+    return {**dynamics, 'damping': abs(dynamics['damping'])}        # as in Gazebo
 
 
 def collides_with_all(link: ElementTree.Element, model: ElementTree.Element) -> bool:
     """Return whether a link meets the others of its model: what it says counts, else the model."""
-    return is_true(link.findtext('self_collide', model.findtext('self_collide', '')))
+    own = value(link, 'self_collide')
+    return value(model, 'self_collide') if own is None else own
 
 
 def _free_name(name: str, is_used: Callable[[str], bool]) -> str:

@@ -9,16 +9,71 @@ from img_recog.errors import SimulationError
 from img_recog.files import FindFile, no_file
 from img_recog.formats import generated_meshes, heightmaps, inertias, materials
 from img_recog.formats.meshes.mesh_file import READABLE
-from img_recog.formats.numbers import (read_direction, read_lengths, read_mass, read_number,
-                                       read_share)
+from img_recog.formats.reader import name_of, read, required, text_of, value, values
 from img_recog.formats.sdf_frames import pose_of
-from img_recog.formats.texts import is_true, name_of, text_of
-from img_recog.model import (ALL_BITS, BOX, CYLINDER, HEIGHTMAP, MESH, PLANE, SPHERE, WHITE,
-                             Inertia, Look, Shape, Solid, Submesh)
+from img_recog.model import (BOX, CYLINDER, FLOOR_FRICTION, HEIGHTMAP, MESH, PLANE, SPHERE, WHITE,
+                             Contact, Friction, Inertia, Look, Shape, Solid, Submesh)
 from img_recog.report import Report
 from img_recog.rotations import IDENTITY, Transform
 
+# the fields of a Contact, below <surface> and in a tag of a URDF
+_CONTACTS = {'stiffness': ('contact/ode/kp', 'kp'), 'damping': ('contact/ode/kd', 'kd'),
+             'fastest': ('contact/ode/max_vel', 'maxVel'),
+             'slack': ('contact/ode/min_depth', 'minDepth'),
+             'bounce': ('bounce/restitution_coefficient', '')}
+_HARD_N_M = 1e10       # no body is so heavy that a softer contact would differ
+_SHORT = 1e-3       # of a direction
+# what little reaches: without a <threshold>, it is 100 km/s
+_FAST_M_S = 10.0
+
+TextOf = Callable[[str], Optional[str]]
 _Geometry = Tuple[Shape, Transform]
+
+
+def of_surface(collision: ElementTree.Element, link: str) -> Optional[Friction]:
+    """Return the friction of a <collision> of a link, in the frame of the collision; None without.
+    """
+    ode = collision.find('surface/friction/ode')
+    return None if ode is None else of_texts(ode.findtext, link, 'mu')
+
+
+def of_texts(text_of: TextOf, link: str, mu: str) -> Optional[Friction]:
+    """Return the friction of elements, None if none of them is given.
+
+    text_of: returns the text of an element, None without; mu: the element of the first
+    coefficient. The other one, too, is 1 if it is not given.
+    """
+    first, second, along = text_of(mu), text_of('mu2'), text_of('fdir1')
+    if first is second is along is None:
+        return None
+    direction = read('3lengths', along or '0 0 0', '<fdir1> of link ' + link)
+    if 0 < np.abs(direction).max() < _SHORT:    # it would be lost when it is rounded
+        direction /= np.abs(direction).max()
+    one, other = (
+        FLOOR_FRICTION if text is None else read('friction', text,
+                                                 '<{}> of link {}'.format(tag, link))
+        for tag, text in ((mu, first), ('mu2', second)))
+    return Friction(one, other, tuple(direction.tolist()) if np.any(direction) else ())
+
+
+def contact_of(collision: ElementTree.Element, link: str, text_of: TextOf) -> Contact:
+    """Return how a <collision> of a link pushes out what touches it.
+
+    text_of: of the tags of that link, which count more.
+    """
+    found: Dict[str, float] = {}
+    for field, (path, tag) in _CONTACTS.items():
+        text = (text_of(tag) if tag else None) or collision.findtext('surface/' + path)
+        if text is not None:
+            found[field] = read('positive', text,
+                                '<{}> of link {}'.format(path.rpartition('/')[2], link))
+    contact = Contact(**found)
+    threshold = collision.findtext('surface/bounce/threshold')
+    if threshold is None or read('number', threshold, '<threshold> of link ' + link) > _FAST_M_S:
+        contact = contact._replace(bounce=0.0)
+    # all that is hard is one surface
+    return contact if (contact.stiffness < _HARD_N_M or contact.slack or contact.throws
+                       or contact.bounce) else Contact()
 
 
 def inertia(link: ElementTree.Element, offset: Transform, report: Report) -> Inertia:
@@ -27,26 +82,17 @@ def inertia(link: ElementTree.Element, offset: Transform, report: Report) -> Ine
     offset: of the link in the frame in which the inertia is returned. report: gets a finding if it
     cannot be simulated as it is.
     """
-    name = name_of(link)
-    given = link.find('inertial')
-    if given is None:
-        given = ElementTree.Element('inertial')
-    mass = read_mass('<mass> of link ' + name, given.findtext('mass', '1'))
+    name, mass, given = name_of(link), value(link, 'inertial/mass'), link.find('inertial')
     inertias.check_mass('<mass> of link ' + name, mass)
-    matrix = np.array([read_number(
-        '<{}> of link {}'.format(key, name),
-        given.findtext('inertia/' + key, '1' if key[1] == key[2] else '0'))
-        for key in inertias.INERTIA_KEYS]).reshape(3, 3)
-    return Inertia(mass, offset @ pose_of(given),
+    matrix = np.array([value(link, 'inertial/inertia/' + key)
+                       for key in inertias.INERTIA_KEYS]).reshape(3, 3)
+    return Inertia(mass, offset if given is None else offset @ pose_of(given),
                    inertias.possible('link ' + name, mass, matrix, report))
 
 
 def decay(link: ElementTree.Element) -> Tuple[float, float]:
     """Return the shares of its velocities that a link loses in each step, see Link."""
-    linear, angular = (read_share('<{}> of link {}'.format(tag, name_of(link)),
-                                  link.findtext('velocity_decay/' + tag, '0'))
-                       for tag in ('linear', 'angular'))
-    return linear, angular
+    return value(link, 'velocity_decay/linear'), value(link, 'velocity_decay/angular')
 
 
 def solid(collision: ElementTree.Element, pose: Transform, find: FindFile) -> Solid:
@@ -65,14 +111,9 @@ def solid(collision: ElementTree.Element, pose: Transform, find: FindFile) -> So
 
 def bitmask(collision: ElementTree.Element) -> int:
     """Return that of a <collision>, see Solid."""
-    if is_true(collision.findtext('surface/contact/collide_without_contact')):
+    if value(collision, 'surface/contact/collide_without_contact'):
         return 0
-    text = collision.findtext('surface/contact/collide_bitmask', hex(ALL_BITS)).strip()
-    try:
-        return int(text, 0) & ALL_BITS
-    except ValueError:
-        raise SimulationError('<collide_bitmask> of {}: got {!r}, expected a whole number'.format(
-            name_of(collision), text))
+    return value(collision, 'surface/contact/collide_bitmask')
 
 
 def look(visual: ElementTree.Element, pose: Transform, find: FindFile, report: Report) -> Look:
@@ -85,11 +126,12 @@ def look(visual: ElementTree.Element, pose: Transform, find: FindFile, report: R
     opacity = materials.opacity(visual)
     if shape.kind == HEIGHTMAP:
         if material is None:
+            opacity = 1.0       # terrain without a material is never transparent
             material = heightmaps.material(visual.findall('geometry/*')[0], find)
         shape = Shape(MESH, (1.0, 1.0, 1.0), heightmaps.write_mesh(shape))
     if material is None and shape.kind == MESH:         # the file has materials
         return Look(shape, pose @ offset, opacity=opacity)
-    return Look(shape, pose @ offset, material or WHITE.faded(opacity))
+    return Look(shape, pose @ offset, (material or WHITE).faded(opacity))
 
 
 def _geometry(shape: ElementTree.Element, find: FindFile) -> _Geometry:
@@ -104,42 +146,30 @@ def _geometry(shape: ElementTree.Element, find: FindFile) -> _Geometry:
     return make(name, element, find)
 
 
-def _size(name: str, element: ElementTree.Element, tag: str, count: int) -> Tuple[float, ...]:
-    values = read_lengths('<{}> of {}'.format(tag, name), element.findtext(tag), count)
-    if np.any(values <= 0):
-        raise SimulationError('<{}> of {}: got {!r}, expected more than 0'.format(
-            tag, name, element.findtext(tag)))
-    return tuple(values.tolist())
-
-
 def _box(name: str, element: ElementTree.Element, _: FindFile) -> _Geometry:
-    return Shape(BOX, _size(name, element, 'size', 3)), IDENTITY
+    return Shape(BOX, tuple(required(element, 'size', name).tolist())), IDENTITY
 
 
 def _cylinder(name: str, element: ElementTree.Element, _: FindFile) -> _Geometry:
-    return Shape(CYLINDER, (*_size(name, element, 'radius', 1),
-                            *_size(name, element, 'length', 1))), IDENTITY
+    return Shape(CYLINDER, (required(element, 'radius', name),
+                            required(element, 'length', name))), IDENTITY
 
 
 def _sphere(name: str, element: ElementTree.Element, _: FindFile) -> _Geometry:
-    return Shape(SPHERE, _size(name, element, 'radius', 1)), IDENTITY
+    return Shape(SPHERE, (required(element, 'radius', name),)), IDENTITY
 
 
 def _plane(name: str, element: ElementTree.Element, _: FindFile) -> _Geometry:
-    size = (1.0, 1.0) if element.find('size') is None else _size(name, element, 'size', 2)
-    direction = _normal(name, element)
-    return Shape(PLANE, size), IDENTITY._replace(
+    direction = value(element, 'normal', name)
+    return Shape(PLANE, tuple(value(element, 'size', name).tolist())), IDENTITY._replace(
         rotation=turn_z_to(direction / np.linalg.norm(direction)))
 
 
 def normal(collision: ElementTree.Element) -> Optional[np.ndarray]:
     """Return the normal (3,) of a <collision> that is a plane, as it is given; None of others."""
-    plane = collision.find('geometry/plane')
-    return None if plane is None else _normal('collision ' + name_of(collision), plane)
-
-
-def _normal(name: str, plane: ElementTree.Element) -> np.ndarray:
-    return read_direction('<normal> of ' + name, plane.findtext('normal', '0 0 1'))
+    if collision.find('geometry/plane') is None:
+        return None
+    return value(collision, 'geometry/plane/normal')
 
 
 def turn_z_to(direction: np.ndarray) -> np.ndarray:
@@ -158,19 +188,16 @@ def _mesh(name: str, element: ElementTree.Element, find: FindFile) -> _Geometry:
         raise SimulationError('mesh ' + uri + no_file(path))
     if not path.lower().endswith(READABLE):
         raise SimulationError('mesh {} ({} are read)'.format(uri, ', '.join(READABLE)))
-    scale = read_lengths('<scale> of ' + name, element.findtext('scale', '1 1 1'), 3)
     submesh = text_of(element, 'submesh/name')
-    is_centered = is_true(element.findtext('submesh/center'))
-    return Shape(MESH, tuple(scale.tolist()), os.path.abspath(path),
-                 Submesh(submesh, bool(submesh) and is_centered)), IDENTITY
+    return Shape(MESH, tuple(value(element, 'scale', name).tolist()), os.path.abspath(path),
+                 Submesh(submesh, bool(submesh) and value(element, 'submesh/center'))), IDENTITY
 
 
 def _polyline(name: str, element: ElementTree.Element, _: FindFile) -> _Geometry:
     """Return the prism of all <polyline>s in a <geometry>; the height of the first counts."""
-    outlines = [[read_lengths('<point> of ' + name, point.text, 2).tolist()
-                 for point in polyline.findall('point')]
+    outlines = [[point.tolist() for point in values(polyline, 'point', name)]
                 for polyline in element.findall('polyline')]
-    (height,) = _size(name, element[0], 'height', 1)
+    height = required(element[0], 'height', name)
     return Shape(MESH, (1.0, 1.0, 1.0), generated_meshes.extruded(outlines, height)), IDENTITY
 
 

@@ -1,23 +1,24 @@
 """The models of an SDF as trees of links."""
 import dataclasses
 import xml.etree.ElementTree as ElementTree
-from typing import Dict, List, Optional, Tuple
+from typing import Dict, Iterable, List, Mapping, Optional, Sequence, Tuple
 
 import numpy as np
 
 from img_recog.files import FindFile
-from img_recog.formats import frictions, lights, lumping, sdf_gears, sdf_links, sdf_states
+from img_recog.formats import lights, lumping, sdf_links, sdf_states
+from img_recog.formats.reader import name_of, value
 from img_recog.formats.sdf_frames import WORLD, pose_of
 from img_recog.formats.sdf_joints import NO_LIMIT, SCREW, Axis, Joints, SdfJoint, SdfLink
 from img_recog.formats.sdf_states import Starts
 from img_recog.formats.sdf_versions import Version
-from img_recog.formats.texts import is_true, name_of
 from img_recog.model import (CONTINUOUS, FIXED, HEIGHTMAP, NO_INERTIA, PLANE, PRISMATIC, REVOLUTE,
                              AttachedFrame, Gear, Inertia, Joint, Light, Limits, Link, Look, Model,
                              Solid, Tag, Tree)
 from img_recog.report import NOT_SIMULATED, Report
 from img_recog.rotations import IDENTITY, Transform
 
+_PARALLEL = 0.999       # the cosine of an angle
 BETWEEN_AXES = '::axis_'        # in the name of a link and a joint that stand for one of several
 
 
@@ -120,9 +121,9 @@ class _Builder:
                 frames[away.child] = joint.pose
                 names.append(away.child)
                 self._add_joint(away, _relative(frames[link], joint.pose))
-        gears = sdf_gears.of_boxes((box for box in self._boxes if box.child in frames),
-                                   self._turning, root.name if is_fixed else None, name,
-                                   self._report)
+        gears = _gears_of_boxes((box for box in self._boxes if box.child in frames),
+                                self._turning, root.name if is_fixed else None, name,
+                                self._report)
         tags = tuple(Tag(link, self._given[link].element) for link in names
                      if self._given[link].element.find('sensor') is not None)
         model = Model(name, tuple(self._links), tuple(self._joints),
@@ -165,8 +166,8 @@ class _Builder:
                 solid = sdf_links.solid(collision, IDENTITY, self._find)
                 with self._report.left_out():
                     solid = solid._replace(
-                        friction=frictions.of_surface(collision, link.name),
-                        contact=frictions.contact_of(collision, link.name, lambda _: None))
+                        friction=sdf_links.of_surface(collision, link.name),
+                        contact=sdf_links.contact_of(collision, link.name, lambda _: None))
                 solid = solid.moved(scope.pose(collision))
                 if solid.shape.kind in (HEIGHTMAP, PLANE):
                     self._add_ground(link, collision, solid)
@@ -178,7 +179,7 @@ class _Builder:
         elif not solids and len(link.element.findall('collision')) > _count_grounds(link.element):
             solids = [Solid(look.shape, look.pose) for look in looks if look.shape.kind != PLANE]
         self._links.append(Link(link.name, inertia, tuple(solids), tuple(looks),
-                                has_gravity=is_true(link.element.findtext('gravity', '1')),
+                                has_gravity=value(link.element, 'gravity'),
                                 decay=decay, space=link.space, lights=tuple(lamps)))
 
     def _add_ground(self, link: SdfLink, collision: ElementTree.Element, solid: Solid) -> None:
@@ -211,7 +212,7 @@ class _Builder:
             joint, pose = joint._replace(parent=between), IDENTITY
         self._joints.append(_joint(joint, pose, joint.axes[-1] if joint.axes else None))
         if joint.kind == SCREW:
-            self._gears.append(sdf_gears.of_screw(given, self._joints[count:]))
+            self._gears.append(_gear_of_screw(given, self._joints[count:]))
 
 
 def _placed(ground: Tree, normal: Optional[np.ndarray], name: str, model: Transform) -> Tree:
@@ -250,3 +251,46 @@ def _relative(frame: Transform, pose: Transform) -> Transform:
     """Return a pose in a frame, both given in the same one."""
     turn = frame.rotation.T
     return Transform(turn @ pose.rotation, turn @ (pose.translation - frame.translation))
+
+
+def _gear_of_screw(joint: SdfJoint, parts: Sequence[Joint]) -> Gear:
+    """Return the gear of a screw, of which the parts turn and slide: as in Gazebo, it slides by
+    the angle divided by the negative pitch."""
+    slides, = (part.name for part in parts if part.kind == PRISMATIC)
+    turns, = (part.name for part in parts if part.kind != PRISMATIC)
+    return Gear(turns, slides, joint.ratio)
+
+
+def _gears_of_boxes(boxes: Iterable[SdfJoint], joints: Mapping[str, SdfJoint], root: Optional[str],
+                    model: str, report: Report) -> List[Gear]:
+    """Return the gears of the gearboxes of a tree.
+
+    joints: those of the tree with one axis that turns, by name, as the tree has them; root: of
+    the tree, if that is fixed: it bears a gearbox without a link that does. report: to which
+    the others are added.
+    """
+    gears = []
+    for box in boxes:
+        # as in Gazebo, the first axis is that of the child
+        child, parent = (_wheel(joints, link, box.reference or root or '', turn)
+                         for link, turn in zip((box.child, box.parent), (
+                             box.pose.rotation @ axis.direction for axis in box.axes)))
+        if child is None or parent is None:
+            report.add(NOT_SIMULATED, 'joint {} of type {}, of which the links do not turn about '
+                       'its axes'.format(box.name, box.kind), 'model ' + model)
+        else:
+            gears.append(Gear(child[0], parent[0], box.ratio * child[1] * parent[1]))
+    return gears
+
+
+def _wheel(joints: Mapping[str, SdfJoint], link: str, reference: str,
+           axis: np.ndarray) -> 'Optional[tuple[str, int]]':
+    """Return the joint by which a link turns against another one, and whether that is along the
+    axis (3,) in the model, 1, or against it, -1."""
+    for name, joint in joints.items():
+        if {joint.parent, joint.child} == {link, reference}:
+            turned = joint.pose.rotation @ joint.axes[0].direction
+            along = turned @ axis / np.linalg.norm(turned) / np.linalg.norm(axis)
+            if abs(along) > _PARALLEL:
+                return name, (1 if along > 0 else -1) * (1 if joint.child == link else -1)
+    return None

@@ -8,12 +8,10 @@ import numpy as np
 
 from img_recog import rotations
 from img_recog.errors import SimulationError
-from img_recog.formats.numbers import read_lengths, read_whole, words
+from img_recog.formats.reader import MAX_COUNT, name_of, value, words
 from img_recog.formats.sdf_frames import pose_of
-from img_recog.formats.texts import name_of
 from img_recog.rotations import IDENTITY
 
-_MAX_COUNT = 5000
 # of the search for uniform places; points for each place; above, they are random
 _ROUNDS, _SAMPLES, _MAX_UNIFORM = 20, 50, 300
 
@@ -28,7 +26,7 @@ def models(population: ElementTree.Element) -> List[ElementTree.Element]:
     if model is None:
         raise SimulationError('population {} has no <model>'.format(name))
     pose, found = pose_of(population), []
-    for number, place in enumerate(_places('population ' + name, population)):
+    for number, place in enumerate(_places(population)):
         made = copy.deepcopy(model)
         made.set('name', '{}_clone_{}'.format(name_of(model), number))
         for old in made.findall('pose'):
@@ -40,37 +38,27 @@ def models(population: ElementTree.Element) -> List[ElementTree.Element]:
     return found
 
 
-def _places(name: str, population: ElementTree.Element) -> np.ndarray:
+def _places(population: ElementTree.Element) -> np.ndarray:
     """Return where the models are, (n, 3), in the frame of the population."""
-    def count(path: str) -> int:
-        value = read_whole('<{}> of {}'.format(path, name), population.findtext(path, '1'))
-        if not 0 <= value <= _MAX_COUNT:
-            raise SimulationError('<{}> of {}: got {}, expected 0 to {}'.format(
-                path, name, value, _MAX_COUNT))
-        return value
-
-    kind = population.findtext('distribution/type', 'random').strip()
+    kind, box = value(population, 'distribution/type'), population.find('box')
     if kind == 'grid':
-        step = read_lengths('<step> of ' + name,
-                            population.findtext('distribution/step', '0.5 0.5 0'), 3)
-        cells = [(column, row, 0) for row in range(count('distribution/rows'))
-                 for column in range(count('distribution/cols'))][:_MAX_COUNT]
-        return np.array(cells, float).reshape(-1, 3) * step
-    number, box = count('model_count'), population.find('box')
-    size = np.zeros(3)
-    if box is not None:
-        size = read_lengths('<size> of ' + name, box.findtext('size', '1 1 1'), 3)
+        rows, columns = (value(population, 'distribution/' + tag) for tag in ('rows', 'cols'))
+        cells = [(column, row, 0) for row in range(rows) for column in range(columns)][:MAX_COUNT]
+        return np.array(cells, float).reshape(-1, 3) * value(population, 'distribution/step')
+    number = value(population, 'model_count')
+    size = np.zeros(3) if box is None else value(population, 'box/size')
     if kind.startswith('linear-') and kind[-1] in 'xyz' and box is not None:
         places = np.zeros((number, 3))
         axis = 'xyz'.index(kind[-1])
         places[:, axis] = np.linspace(-size[axis] / 2, size[axis] / 2, number)
         return places
     if kind not in ('random', 'uniform'):
-        raise SimulationError('{}, whose distribution is {}'.format(name, kind))
+        raise SimulationError('population {}, whose distribution is {}'.format(
+            name_of(population), kind))
     generator = np.random.default_rng(0)
     if kind == 'random' or not 0 < number <= _MAX_UNIFORM:
-        return _random(generator, name, population, size, number)
-    samples = _random(generator, name, population, size, number * _SAMPLES)
+        return _random(generator, population, size, number)
+    samples = _random(generator, population, size, number * _SAMPLES)
     centers = samples[:number]
     for _ in range(_ROUNDS):        # Lloyd's algorithm
         nearest = np.argmin(((samples[:, None] - centers) ** 2).sum(axis=-1), axis=1)
@@ -79,14 +67,12 @@ def _places(name: str, population: ElementTree.Element) -> np.ndarray:
     return centers.reshape(-1, 3)
 
 
-def _random(generator: np.random.Generator, name: str, population: ElementTree.Element,
-            size: np.ndarray, count: int) -> np.ndarray:
+def _random(generator: np.random.Generator, population: ElementTree.Element, size: np.ndarray,
+            count: int) -> np.ndarray:
     """Return random points (n, 3) in the box, whose size is given, or the cylinder."""
     points = generator.uniform(-0.5, 0.5, (count, 3)) * size
-    cylinder = population.find('cylinder')
-    if cylinder is not None:
-        radius, length = (float(read_lengths('<{}> of {}'.format(tag, name), cylinder.findtext(
-            tag, '1'), 1)[0]) for tag in ('radius', 'length'))
+    if population.find('cylinder') is not None:
+        radius, length = (value(population, 'cylinder/' + tag) for tag in ('radius', 'length'))
         angle = generator.uniform(0, 2 * math.pi, count)
         distance = radius * np.sqrt(generator.uniform(0, 1, count))
         points = np.column_stack([distance * np.cos(angle), distance * np.sin(angle),

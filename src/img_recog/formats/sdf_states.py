@@ -4,9 +4,8 @@ from typing import Mapping, Optional
 
 import numpy as np
 
-from img_recog.formats.numbers import read_lengths, words
+from img_recog.formats.reader import name_of, read, text_of, value, words
 from img_recog.formats.sdf_frames import pose_of, set_pose
-from img_recog.formats.texts import name_of, text_of
 from img_recog.model import PRISMATIC, Joint, Tree
 from img_recog.rotations import Transform
 
@@ -28,8 +27,8 @@ def apply(model: ElementTree.Element, state: Optional[ElementTree.Element]) -> S
 
 def _started(model: ElementTree.Element, state: ElementTree.Element, prefix: str = '') -> Starts:
     """Resize the shapes of a model, and return where the links of it and of those in it are."""
-    scale = read_lengths('<scale> of model ' + name_of(model),
-                         text_of(state, 'scale') or '1 1 1', 3)
+    scale = read('3lengths', text_of(state, 'scale') or '1 1 1',
+                 '<scale> of model ' + name_of(model))
     for part in ('collision', 'visual'):
         for geometry in model.iterfind('link/{}/geometry'.format(part)):
             _resize(geometry, scale)
@@ -52,7 +51,7 @@ def _resize(geometry: ElementTree.Element, scale: np.ndarray) -> None:
                          ('cylinder/radius', scale[:2].max()), ('cylinder/length', scale[2])):
         element = geometry.find(path)
         if element is not None:
-            element.text = words(factor * read_lengths(path, element.text, np.size(factor)))
+            element.text = words(factor * np.ravel(value(geometry, path)))
 
 
 def started(tree: Tree, starts: Starts, model: Transform) -> Tree:

@@ -9,8 +9,7 @@ import numpy as np
 from img_recog import rotations
 from img_recog.errors import SimulationError
 from img_recog.formats import noises
-from img_recog.formats.numbers import read_lengths, words
-from img_recog.formats.texts import is_true
+from img_recog.formats.reader import is_true, read, words
 
 Version = Tuple[int, ...]       # of the SDF format, like (1, 6)
 _VERSION = re.compile('[0-9]{1,9}([.][0-9]{1,9})*')
@@ -43,7 +42,7 @@ def _use_radians(root: ElementTree.Element) -> None:
             element.attrib.pop('rotation_format', None)
             continue
         with contextlib.suppress(SimulationError):      # `pose_of` says so
-            values = read_lengths('', ' '.join(angles), 7 if is_quaternion else 6)
+            values = read('7lengths' if is_quaternion else '6lengths', ' '.join(angles), '')
             if is_quaternion:
                 turn = rotations.to_rpy(rotations.matrix(values[3:] / np.linalg.norm(values[3:])))
             else:

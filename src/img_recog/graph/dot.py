@@ -4,7 +4,7 @@ import subprocess
 from typing import Dict, List, NamedTuple, Optional
 
 from img_recog.errors import UserError, one_line
-from img_recog.graph.system import TF_TOPICS, System, clusters_of
+from img_recog.graph.reader import TF_TOPICS, System, clusters_of
 
 FORMATS = ('dot', 'png', 'svg')
 _TIMEOUT_S = 30.0
@@ -25,7 +25,7 @@ class Colors(NamedTuple):
 def to_dot(system: System, colors: Colors = Colors()) -> str:
     """Return the text of a graph: nodes as ellipses, topics as boxes, a frame per namespace.
 
-    >>> from img_recog.graph.system import Edge
+    >>> from img_recog.graph.reader import Edge
     >>> odom = Edge('/gazebo', '/odom', is_published=True)
     >>> system = System(frozenset(['/gazebo']), frozenset([odom]), rates_hz={odom: 30.0})
     >>> '"node /gazebo" -> "topic /odom" [label="30 Hz"];' in to_dot(system)

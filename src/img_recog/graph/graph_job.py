@@ -5,10 +5,9 @@ from typing import List, Optional, Sequence
 
 from img_recog import files
 from img_recog.command_line import programs
-from img_recog.command_line.option_types import allowed
+from img_recog.command_line.programs import allowed
 from img_recog.graph import dot
-from img_recog.graph.reader import SystemReader
-from img_recog.graph.system import visible
+from img_recog.graph.reader import SystemReader, visible
 
 SECONDS = 2.0          # in which rates are measured
 

@@ -1,1 +1,1 @@
-"""The ROS nodes, one folder each; the only module that two of them share is color_parameters."""
+"""The ROS nodes, one folder each; the only module that two of them share is compressed_images."""

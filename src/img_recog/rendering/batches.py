@@ -1,4 +1,5 @@
 """What a scene is loaded into: triangles in the memory of OpenGL, in batches."""
+import math
 from functools import partial
 from typing import Dict, List, NamedTuple, Optional, Sequence, Tuple
 
@@ -8,17 +9,117 @@ import numpy as np
 from img_recog.errors import one_line
 from img_recog.formats import textures
 from img_recog.formats.meshes.mesh_file import MeshError, Triangles
-from img_recog.model import MESH, WHITE, Material, Rgb, Shape, Visual, VisualScene
-from img_recog.rendering import floor, prepared, shaders, triangles
-from img_recog.rendering.file_cache import FileCache
-from img_recog.rendering.lighting import Lighting
+from img_recog.model import (DIRECTIONAL, EXP, EXP2, LINEAR, MESH, SPOT, WHITE, Fog, Light,
+                             Material, Rgb, Shape, Surroundings, Visual, VisualScene)
+from img_recog.rendering import coverage, matrices, prepared, shaders, triangles
+from img_recog.rendering.prepared import FileCache
+from img_recog.rendering.shaders import MAX_LIGHTS
 
+_HALF_SIZE_M = 50.0
+MATERIAL = Material((0.7, 0.7, 0.7, 1.0), ambient=(0.3, 0.3, 0.3))     # Gazebo/Grey
+_STEEP = 1e6            # the slope of the edge of a cone that is sharp
+_EVERYWHERE = -2.0, 1.0, 0.0        # a cone of a light without one
+_EXPONENTS = {LINEAR: 0.0, EXP: 1.0, EXP2: 2.0}
 _NO_TEXTURE = -1
 _VERTEX = np.dtype([('position', 'f4', 3), ('normal', 'f4', 3), ('uv', 'f4', 2),
                     ('material', 'u4')])
 
 # what the triangles of a batch have in common: transparent, part or -1, texture or -1, shining
 _Key = Tuple[bool, int, int, bool]
+
+
+class Floor:
+    """A square at z 0 in the world, whose middle is the origin."""
+
+    def __init__(self, context: moderngl.Context, shaded: moderngl.Program,
+                 depth: moderngl.Program, material: int):
+        """shaded, depth: the programs; material: the number of MATERIAL in its table."""
+        corners = np.insert(_HALF_SIZE_M * coverage.corners(coverage.WHOLE), 2, 0, axis=2)
+        whole = context.buffer(corners[:, coverage.TRIANGLES].astype('f4').tobytes())
+        same = context.buffer(np.array([0, 0, 1], 'f4').tobytes()
+                              + np.array([material], 'u4').tobytes())
+        self._shaded = context.vertex_array(shaded, [
+            (whole, '3f', 'position'), (same, '3f 1u /r', 'normal', 'material')])
+        self._depth = context.vertex_array(depth, [(whole, '3f', 'position')])
+
+    def draw(self) -> None:
+        """Draw it."""
+        self._shaded.program['model'].write(matrices.to_bytes(np.eye(4)))
+        self._shaded.render()
+
+    def draw_depths(self) -> None:
+        """Draw its depths."""
+        self._depth.render()
+
+
+def lowest_edge(eye: np.ndarray, far: float) -> float:
+    """Return the sine of the angle below the horizon at which it ends in all directions.
+
+    eye (3,): from where it is seen, at most so far; 1 where it is not seen from above.
+    """
+    x, y, height = eye
+    reach = min(_HALF_SIZE_M - max(abs(x), abs(y)), far)
+    return height / math.hypot(height, reach) if height > 0 and reach > 0 else 1.0
+
+
+class Lighting:
+    """Writes lights and fog to programs.
+
+    are_directions: whether all lights are directional; have_highlights: whether some are seen in
+    what shines; problem: a line if there are more than can be drawn, else ''.
+    """
+
+    def __init__(self, lights: Sequence[Tuple[int, Light]], surroundings: Surroundings):
+        """lights: each with the number of its part, -1 for the world."""
+        self.problem = '' if len(lights) <= MAX_LIGHTS else (
+            '{} of {} lights'.format(len(lights) - MAX_LIGHTS, len(lights)))
+        lights = lights[:MAX_LIGHTS]
+        self._parts = np.array([part for part, _ in lights], int)
+        self._lights = [light for _, light in lights]
+        self._surroundings = surroundings
+        self.are_directions = all(light.kind == DIRECTIONAL for light in self._lights)
+        self.have_highlights = any(max(light.specular) > 0 for light in self._lights)
+        self._poses = np.array([light.pose.matrix() for light in self._lights]).reshape(-1, 4, 4)
+        directions = np.array([light.direction for light in self._lights]).reshape(-1, 3)
+        self._directions = directions / np.linalg.norm(directions, axis=1, keepdims=True)
+        self._constant = {
+            'lamp': [light.diffuse for light in self._lights],
+            'lamp_specular': [light.specular for light in self._lights],
+            'fading': [(*light.attenuation, light.reach) for light in self._lights],
+            'cone': [_cone(light) for light in self._lights]}
+
+    def write(self, programs: Sequence[moderngl.Program], models: np.ndarray) -> None:
+        """Write all; models (n, 4, 4): the transforms of the parts to the world."""
+        poses = matrices.of_parts(models, self._parts) @ self._poses
+        axes = (poses[:, :3, :3] @ self._directions[..., np.newaxis])[..., 0]
+        is_direction = np.array([light.kind == DIRECTIONAL for light in self._lights], bool)
+        places = np.where(is_direction[:, np.newaxis], -axes, poses[:, :3, 3])
+        values = {**self._constant, 'axis': axes,
+                  'place': np.column_stack([places, ~is_direction])}
+        for program in programs:
+            if 'light_count' in program:
+                program['light_count'].value = len(self._lights)
+            for name, rows in values.items():
+                if name in program and len(rows):
+                    array = np.zeros((MAX_LIGHTS, np.shape(rows)[1]), 'f4')
+                    array[:len(rows)] = rows
+                    program[name].write(array.tobytes())
+            if self._surroundings.fog is not None:
+                program['fog'].value = _numbers(self._surroundings.fog)
+                program['fog_color'].value = self._surroundings.fog.color
+
+
+def _cone(light: Light) -> Tuple[float, float, float]:
+    """Return the cosine at the edge, the slope from there inward, and the exponent."""
+    if light.kind != SPOT:
+        return _EVERYWHERE
+    bright, dark = (math.cos(angle / 2) for angle in light.cone[:2])
+    return dark, 1 / (bright - dark) if bright - dark > 1 / _STEEP else _STEEP, light.cone[2]
+
+
+def _numbers(fog: Fog) -> Tuple[float, float, float, float]:
+    length = fog.end - fog.start
+    return (fog.end, 1 / length if length else _STEEP, fog.density, _EXPONENTS[fog.kind])
 
 
 class Batch(NamedTuple):
@@ -71,7 +172,7 @@ class Loaded(NamedTuple):
 
     batches: List[Batch]
     bounds: List[Bounds]
-    floor: floor.Floor
+    floor: Floor
     lighting: Lighting
     programs: List[moderngl.Program]
     materials: moderngl.Texture
@@ -124,8 +225,8 @@ class SceneLoader:
         # first is seen
         keys = sorted(grouped, key=lambda key: (key[:2], key[2] != _NO_TEXTURE, key[3]))
         batches = [self._batch(key, *zip(*grouped[key])) for key in keys]
-        ground = floor.Floor(self._context, self._program(), self.depth,
-                             self._number(floor.MATERIAL))
+        ground = Floor(self._context, self._program(), self.depth,
+                       self._number(MATERIAL))
         programs = {id(each): each for each in (
             self._program(), *(batch.shaded.program for batch in batches))}
         return Loaded(batches, bounds, ground, self._lighting, list(programs.values()),

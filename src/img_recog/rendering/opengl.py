@@ -2,24 +2,113 @@
 import math
 from typing import Dict, List, Sequence, Tuple
 
+import cv2
 import moderngl
 import numpy as np
 
 from img_recog.errors import UserError, one_line
-from img_recog.model import VisualScene
+from img_recog.model import Rgb, VisualScene
 from img_recog.rendering import coverage, matrices, shaders
-from img_recog.rendering.batches import Batch, SceneLoader
+from img_recog.rendering.batches import Batch, SceneLoader, lowest_edge
 from img_recog.rendering.camera import Pinhole
-from img_recog.rendering.floor import lowest_edge
-from img_recog.rendering.sky import Sky
-from img_recog.rendering.target import Target
 
+_MUCH = 0.4 * 4             # of the area of an image; to clear all is faster then
+_SAMPLES = 4                # of a pixel, for antialiased edges; the only number of llvmpipe
+_END = 0.229        # no sky is seen farther below the horizon
 _MAX_CEILING_M = 1e6            # instead of infinity
 _FLOOR_TOLERANCE_M = 0.001      # what lies on the floor, at the same height, is seen
 _BLOCK_ROWS = 32                # of an image, that the cache of the processor holds
 _CLIP_DISTANCE0, _CLIP_DISTANCE1 = 0x3000, 0x3001   # of OpenGL; moderngl has no names for them
 # GL_SAMPLE_ALPHA_TO_COVERAGE and _ONE: what is not opaque covers no samples
 _CUTOUT = 0x809E, 0x809F
+
+
+class Target:
+    """Framebuffers of one size.
+
+    samples: of what is antialiased, transparent elsewhere; pixels: the image; depths: for `depth`.
+    """
+
+    def __init__(self, context: moderngl.Context, size: Tuple[int, int],
+                 clear: moderngl.Program, resolve: moderngl.Program):
+        self._texture = context.texture(size, 4, samples=_SAMPLES)
+        self.samples = context.framebuffer(
+            self._texture, context.depth_renderbuffer(size, samples=_SAMPLES))
+        self.pixels = context.framebuffer(context.renderbuffer(size, 4))
+        self.depths = context.framebuffer(depth_attachment=context.depth_texture(size))
+        self._rgba = np.empty((size[1], size[0], 4), np.uint8)
+        self._tiles = context.buffer(reserve=48 * coverage.count_tiles(*size), dynamic=True)
+        self._count, self._area = 0, 0.0
+        self._clear, self._resolve = (
+            context.vertex_array(program, [(self._tiles, '2f', 'corner')])
+            for program in (clear, resolve))
+        self._context = context
+        self.samples.clear()
+
+    def begin(self, rectangles: np.ndarray) -> None:
+        """Use the samples for what is in rectangles (k, 4), from -1 to 1: no two overlap."""
+        self.samples.use()
+        self._tiles.write(coverage.triangles(rectangles))
+        self._count = len(rectangles)
+        self._area = np.prod(rectangles[:, 2:] - rectangles[:, :2], axis=1).sum()
+
+    def resolve(self) -> None:
+        """Draw the average of the samples of each pixel over the image, in those rectangles."""
+        self._context.enable_only(moderngl.BLEND)
+        self._context.blend_func = moderngl.ONE, moderngl.ONE_MINUS_SRC_ALPHA
+        self.pixels.use()
+        self._texture.use(0)
+        self._resolve.render(moderngl.TRIANGLES, vertices=6 * self._count)
+
+    def read(self) -> np.ndarray:
+        """Return the image, uint8 RGB."""
+        # in four bytes a pixel, as they are stored: OpenGL converts slowly
+        self.pixels.read_into(self._rgba, components=4)
+        if self._count:
+            self._clear_samples()
+        return cv2.cvtColor(self._rgba, cv2.COLOR_RGBA2RGB)
+
+    def _clear_samples(self) -> None:
+        """Clear what was drawn, for the next image: OpenGL does it while this one is sent."""
+        self.samples.use()
+        if self._area > _MUCH:
+            self.samples.clear()
+        else:
+            self._context.enable_only(moderngl.DEPTH_TEST)
+            self._context.depth_func = '1'
+            self._clear.render(moderngl.TRIANGLES, vertices=6 * self._count)
+            self._context.depth_func = '<'
+        self._count = 0
+        self.pixels.use()
+        self.pixels.clear()         # OpenGL begins to clear the samples
+
+
+class Sky:
+    """Draws the pixels above the horizon, and the haze below it."""
+
+    def __init__(self, context: moderngl.Context):
+        """Make the program."""
+        self._program = context.program(vertex_shader=shaders.SKY_VERTEX,
+                                        fragment_shader=shaders.SKY_FRAGMENT)
+        corners = context.buffer(coverage.triangles(coverage.WHOLE))
+        self._array = context.vertex_array(self._program, [(corners, '2f', 'corner')])
+
+    def draw(self, camera: Pinhole, view: np.ndarray, background: Rgb, lowest: float) -> None:
+        """Draw it before all else, no farther below the horizon than at an angle with this sine.
+
+        It is clipped by CLIP_DISTANCE0. view (4, 4): from the world to OpenGL's camera frame; the
+        first row of the image is the highest. background: into which it fades below the horizon.
+        """
+        left, right, bottom, top = camera.edges
+        to_ray = np.eye(4)
+        # of the corners of the image, x and y from -1 to 1, with z -1
+        to_ray[:3, :3] = view[:3, :3].T @ [[(right - left) / 2, 0, -(right + left) / 2],
+                                           [0, (bottom - top) / 2, -(bottom + top) / 2],
+                                           [0, 0, 1]]
+        self._program['to_ray'].write(matrices.to_bytes(to_ray))
+        self._program['background'].value = tuple(background)
+        self._program['lowest'].value = min(lowest, _END)
+        self._array.render()
 
 
 class Renderer:

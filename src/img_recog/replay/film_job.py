@@ -14,7 +14,7 @@ from visualization_msgs.msg import MarkerArray
 
 from img_recog import files
 from img_recog.command_line import programs
-from img_recog.command_line.option_types import allowed
+from img_recog.command_line.programs import allowed
 from img_recog.conversions import plane_msgs
 from img_recog.conversions.plane_msgs import MAX_NUMBER, PoseError
 from img_recog.errors import counted

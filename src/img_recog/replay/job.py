@@ -12,9 +12,8 @@ from tqdm import tqdm
 from img_recog import files
 from img_recog.camera.usb_cam_settings import UsbCamSettings
 from img_recog.camera_arguments import RATES, ROBOT
-from img_recog.command_line import programs
-from img_recog.command_line import results
-from img_recog.command_line.option_types import allowed
+from img_recog.command_line import programs, results
+from img_recog.command_line.programs import allowed
 from img_recog.errors import UserError, counted
 from img_recog.formats import still_images
 from img_recog.loading import resources

@@ -1,4 +1,5 @@
 """From a script to a running node and back to an exit code."""
+import argparse
 import contextlib
 import logging
 import os
@@ -8,18 +9,20 @@ import threading
 import traceback
 import xmlrpc.client
 from types import MappingProxyType
-from typing import Callable, Iterator, Optional
+from typing import Any, Callable, Iterator, Mapping, Optional, Sequence, Type
 
+import rosgraph
 import rospy
 
 from img_recog.errors import UserError, one_line, shortened
 from img_recog.processes import signals
-from img_recog.ros import node_help
-from img_recog.ros.log import log_handlers, log_records
+from img_recog.ros.log import log_handlers
 from img_recog.ros.master import master_watch
 from img_recog.ros.transport import own_time, rosout
-from img_recog.settings import ParameterError, SettingError
+from img_recog.settings import ParameterError, SettingError, Settings, allowed_text, setting_fields
 
+# by the namespace of their parameters, such as '~'
+SettingsClasses = Mapping[str, Sequence[Type[Settings]]]
 EXIT_UNEXPECTED = 70        # EX_SOFTWARE of sysexits.h
 # Only where it is set: by scripts/respawn.py, or for one of several robots. It is decided by them
 # whether to start the node again
@@ -32,8 +35,35 @@ _WAITING_S = 10.0           # after which a node says what it waits for
 _REASON_TIMEOUT_S = 5.0     # after the hooks of the node, and unregistering
 
 
+def parse(docstring: str, settings: SettingsClasses) -> None:
+    """Print the help of a node and exit, if the command line has --help or -h.
+
+    That is the docstring of its module, and a line for each parameter. Remappings, parameters and
+    all else are for rospy and the node.
+    """
+    lines = [docstring.strip(), '',
+             'Parameters, with defaults and allowed values (their meanings: doc/reference.md):']
+    lines += ['  {}{}: {} ({})'.format(namespace, field.name, _shown(field.default),
+                                       allowed_text(field))
+              for namespace, classes in settings.items() for each in classes
+              for field in setting_fields(each)]
+    parser = argparse.ArgumentParser(
+        usage='rosrun img_recog {} [_PARAMETER:=VALUE ...] [TOPIC:=OTHER_TOPIC ...]'.format(
+            os.path.basename(sys.argv[0])),
+        description='\n'.join(lines).replace('%', '%%'), add_help=False, allow_abbrev=False,
+        formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument('-h', '--help', action='help', help=argparse.SUPPRESS)
+    parser.parse_known_args(rosgraph.myargv()[1:])
+
+
+def _shown(default: Any) -> str:
+    if default is None:
+        return 'required'
+    return str(default).lower() if isinstance(default, bool) else str(default) or 'empty'
+
+
 def run(name: str, serve: Callable[[], None],
-        settings: node_help.SettingsClasses = MappingProxyType({}),
+        settings: SettingsClasses = MappingProxyType({}),
         source_of_time: bool = False, end_limit_s: Optional[float] = None) -> int:
     """Start the node `name`, call `serve` until it returns, and return the exit code.
 
@@ -47,8 +77,8 @@ def run(name: str, serve: Callable[[], None],
     (a terminal that is closed) shut it down; `serve` still runs while the hooks of `on_shutdown`
     do.
     """
-    node_help.parse(sys.modules[serve.__module__].__doc__ or '', settings)
-    log_records.install()
+    parse(sys.modules[serve.__module__].__doc__ or '', settings)
+    log_handlers.use_safe_records()
     log_handlers.install()
     # rospy's own handler shuts down inside the interrupted call; if that is a publish in the
     # main thread, both wait for the same lock for ever

@@ -7,7 +7,7 @@ from typing import Dict, List, NamedTuple, Tuple
 import numpy as np
 import pytest
 
-from img_recog.batch import plain
+from img_recog.batch import work_folder
 
 
 class Inner(NamedTuple):
@@ -28,14 +28,14 @@ VALUE = Outer([Inner('a', 0.1), Inner('b', math.inf)], {Inner('c', 1 / 3): np.ar
 
 
 def test_a_value_is_the_same_again():
-    found = plain.load(plain.dump(VALUE), Outer)
+    found = work_folder.load_result(work_folder.dump_result(VALUE), Outer)
     assert found._replace(counts={}) == VALUE._replace(counts={})
     (key, counts), = found.counts.items()
     assert key == Inner('c', 1 / 3) and counts.dtype == int and counts.tolist() == [0, 1, 2]
 
 
 def test_numbers_of_numpy_are_plain_ones():
-    assert type(plain.load(plain.dump(np.int64(3)), int)) is int
+    assert type(work_folder.load_result(work_folder.dump_result(np.int64(3)), int)) is int
 
 
 @pytest.mark.parametrize('value, kind', [
@@ -43,7 +43,7 @@ def test_numbers_of_numpy_are_plain_ones():
     (['a'], Inner), ([[1, 2]], Dict[str, int]), (5, np.ndarray), (1, bytes)])
 def test_what_is_of_another_type(value, kind):
     with pytest.raises((TypeError, IndexError)):
-        plain.load(plain.dump(value), kind)
+        work_folder.load_result(work_folder.dump_result(value), kind)
 
 
 class Trap:
@@ -60,5 +60,5 @@ def test_nothing_is_unpickled():
     np.savez(array, np.array([Trap()], object))
     for content in (pickle.dumps(Trap()), array.getvalue()):
         with pytest.raises(ValueError):
-            plain.load(content, int)
+            work_folder.load_result(content, int)
     assert Trap.called == []

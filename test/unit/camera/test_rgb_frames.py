@@ -6,7 +6,7 @@ import sys
 FORKS_IN_ANOTHER_THREAD = '''
 import gc, os, subprocess, sys, threading
 import av, numpy
-from img_recog.camera.rgb_frames import rgb_array
+from img_recog.camera.decoder import rgb_array
 
 frame = av.VideoFrame.from_ndarray(numpy.zeros((48, 64, 3), numpy.uint8), format='bgr24')
 assert rgb_array(frame).shape == (48, 64, 3)

@@ -90,7 +90,7 @@ def test_path_is_searched_for_in_the_folders_in_order(tmp_path, monkeypatch, nam
 
 def test_error_of_a_relative_path_names_the_first_folder(tmp_path):
     folders = (str(tmp_path / 'first'), str(tmp_path / 'second'))
-    with pytest.raises(SourceError, match='^cannot open {}/first/video.mp4: no such file or device'
+    with pytest.raises(SourceError, match='^cannot open {}/first/video.mp4: no such file;'
                        .format(tmp_path)):
         opened('video.mp4', folders)
 

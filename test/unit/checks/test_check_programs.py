@@ -88,7 +88,7 @@ DRIVE = ('<plugin name="d" filename="libgazebo_ros_diff_drive.so"><leftJoint>a</
     (SENSOR.format('camera', '<camera><horizontal_fov>wide</horizontal_fov></camera><plugin '
                    'name="p" filename="libgazebo_ros_camera.so"/>'),
      'model wall: not simulated: its sensors; cannot use the robot in model wall: '
-     "<horizontal_fov> of sensor s: got 'wide', expected 1 finite number"),
+     "<horizontal_fov> of sensor s: got 'wide', expected a finite number"),
     (DRIVE, 'model wall: not simulated: its sensors and its drive; cannot use the robot in model '
      'wall: the robot has no movable joint a (movable joints: none); set left_joint to the joint '
      'of a wheel; one that moves nothing with an <inertial> is left out')])

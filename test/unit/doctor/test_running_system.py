@@ -9,7 +9,7 @@ import yaml
 from rosgraph_msgs.msg import Clock
 from sensor_msgs.msg import Imu
 
-from img_recog.doctor.running_system import check_running
+from img_recog.doctor.doctor_job import check_running
 from img_recog_helpers import expected
 from img_recog_helpers.waiting import DEADLINE_S
 from img_recog_helpers.xmlrpc_server import XmlRpcServer

@@ -1,10 +1,11 @@
 """What of a file is not done as asked, and what is misspelt."""
+import re
 import xml.etree.ElementTree as ElementTree
 
 import pytest
 
 from img_recog.checks import world_check
-from img_recog.formats import audit as audits, elements
+from img_recog.formats import schema
 from img_recog.formats.audit import audit
 from img_recog.report import Report
 from img_recog_helpers.pages import tool
@@ -103,26 +104,26 @@ def test_places_are_counted():
         'more')]
 
 
-@pytest.mark.parametrize('table', [elements.SDF, elements.URDF])
+@pytest.mark.parametrize('table', [schema.SDF, schema.URDF])
 def test_each_element_is_in_one_field(table):
     for path, row in table.items():
-        words = [word.partition('=')[0] for text in row[:4] for word in text.split()]
+        words = [re.split('[:=]', word)[0] for text in row[:4] for word in text.split()]
         assert sorted(set(words)) == sorted(words), path
 
 
 # doc/elements.md is the second place
 @pytest.mark.parametrize('row, rows', [
-    ({'simulated': 'wobble?'}, [('not known', '<wobble>2</wobble>, which is neither true nor '
-                                 'false,')]),
+    ({'simulated': 'wobble:bool'}, [
+        ('not known', '<wobble>2</wobble>, which is neither true nor false,')]),
     ({'simulated': 'wobble'}, []), ({'drawn': 'wobble'}, []), ({'no_effect': 'wobble'}, []),
     ({'not_simulated': 'wobble=2'}, []), ({'not_simulated': 'wobble'}, [
         ('not simulated', '<wobble>')])])
 def test_an_element_is_added_in_its_row_alone(monkeypatch, tmp_path, row, rows):
-    before = elements.SDF['link']
+    before = schema.SDF['link']
     changed = before._replace(**{name: '{} {}'.format(getattr(before, name), words)
                                  for name, words in row.items()})
-    monkeypatch.setitem(elements.SDF, 'link', changed)
-    audits.row_of.cache_clear()
+    monkeypatch.setitem(schema.SDF, 'link', changed)
+    schema.row_of.cache_clear()
     path = tmp_path / 'w.sdf'
     path.write_text(LINK.format('<wobble>2</wobble>'))
     try:
@@ -132,4 +133,4 @@ def test_an_element_is_added_in_its_row_alone(monkeypatch, tmp_path, row, rows):
         page = tool('generated_pages').written()['doc/elements.md']
         assert page.count('`wobble') == 1
     finally:
-        audits.row_of.cache_clear()
+        schema.row_of.cache_clear()

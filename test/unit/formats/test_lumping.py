@@ -64,10 +64,10 @@ PAIR = link('a') + link('b')
     (PAIR + joint('j', 'a', 'b', 'planar'),
      'joint j is of type planar; supported are continuous, fixed'),
     (PAIR + joint('j', 'a', 'b', 'continuous', '<axis xyz="0 0 0"/>'),
-     'axis of joint j: got 0 0 0'),
+     "axis of joint j: got '0 0 0', expected 3 finite numbers, not all 0"),
     (link('a').replace('ixx="1"', 'ixx="1e16"'), 'expected at most 1e+15'),
     (link('a', inside='<contact><lateral_friction value="-0.5"/></contact>'),
-     'lateral_friction of link a: got -0.5, expected at least 0'),
+     'lateral_friction of link a: got \'-0.5\', expected a finite number of at least 0'),
     (PAIR + joint('j', 'a', 'b', origin='<origin xyz="inf 0 0"/>'),
      "<origin> in <joint j>: got 'inf 0 0'"),
     (PAIR + joint('j', 'a', 'b', origin='<origin xyz="1 2"/>'), 'expected 3 finite numbers'),
@@ -76,7 +76,7 @@ PAIR = link('a') + link('b')
     (link('a') + '<joint name="j" type="fixed"><parent link="a"/></joint>',
      'joint j has the child link None, which does not exist (links: a)'),
     ('<link name="a"><inertial><mass/><inertia/></inertial></link>',
-     'mass of link a: got None, expected 1 finite number'),
+     'mass of link a: got None, expected a finite number'),
     (link('a').replace('ixx="1"', 'ixx="x"'),
      "inertia of link a: got 'x 0 0 0 1 0 0 0 1', expected 9 finite numbers"),
     ('<link name="a"><inertial><mass value="1"/></inertial></link>',
@@ -84,9 +84,9 @@ PAIR = link('a') + link('b')
     ('<link name="a"><inertial><inertia/></inertial></link>',
      'link a: <inertial> must have <mass> and <inertia>'),
     (link('a', inside='<contact><lateral_friction/></contact>'),
-     'lateral_friction of link a: got None, expected 1 finite number'),
-    (link('a') + '<gazebo reference="a"><mu1>1 2</mu1></gazebo>',
-     "<mu1> of link a: got '1 2', expected 1 finite number")])
+     'lateral_friction of link a: got None, expected a finite number'),
+    (link('a') + '<gazebo reference="a"><mu1>much</mu1></gazebo>',
+     "<mu1> of link a: got 'much', expected a finite number")])
 def test_refusals_name_what_is_wrong_in_one_line(inside, words):
     assert words in refusal(lumped, ROBOT.format(inside))
 

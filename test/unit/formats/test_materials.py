@@ -3,7 +3,7 @@ import xml.etree.ElementTree as ElementTree
 
 import pytest
 
-from img_recog.formats import material_scripts, materials
+from img_recog.formats import materials
 from img_recog.model import Material
 from img_recog.report import NOT_FOUND, Report
 
@@ -98,7 +98,7 @@ def test_scripts_are_searched_for_where_the_material_says(uris, asked):
 
 def found_in(folder, name):
     """Return the color of a material, None without one."""
-    found = material_scripts.find(name, [str(folder)])
+    found = materials.find_in_scripts(name, [str(folder)])
     return None if found is None else found[0].color
 
 
@@ -129,5 +129,5 @@ def test_a_material_has_so_many_ancestors(tmp_path, parents, color):
     ('scene_blend alpha_blend', True), ('scene_blend add', False)])
 def test_textures_that_are_cut_out(tmp_path, inside, is_cutout):
     (tmp_path / 'a.material').write_text('material m {{ {} }}'.format(inside))
-    material, _ = material_scripts.find('m', [str(tmp_path / 'a.material')])
+    material, _ = materials.find_in_scripts('m', [str(tmp_path / 'a.material')])
     assert material.is_cutout is is_cutout

@@ -3,7 +3,7 @@ import xml.etree.ElementTree as ElementTree
 
 import pytest
 
-from img_recog.formats import sdf_file, sdf_files
+from img_recog.formats import sdf_file
 from img_recog.report import LEFT_OUT, Report
 from img_recog_helpers.sdf import BUILT_IN, sdf
 
@@ -222,7 +222,7 @@ def test_relative_paths(tmp_path):
     (tmp_path / 'meshes').mkdir()
     (tmp_path / 'meshes' / 'a.stl').write_text('')
     found = {'model://b': 'found', 'file://elsewhere/a.stl': 'there'}
-    find = sdf_files.find_relative(str(tmp_path), found.get)
+    find = sdf_file.find_relative(str(tmp_path), found.get)
     assert find('meshes/a.stl') == str(tmp_path / 'meshes' / 'a.stl')
     assert find('file://meshes') == str(tmp_path / 'meshes')
     assert find('file://' + str(tmp_path / 'meshes')) == str(tmp_path / 'meshes')

@@ -29,14 +29,15 @@ def read(inside):
 @pytest.mark.parametrize('tag', ['visual', 'collision'])
 @pytest.mark.parametrize('shape, words', [
     ('<box size="nan 1 1"/>', "size of box: got 'nan 1 1', expected 3 finite numbers"),
-    ('<box size="1 1e300 1"/>', "size of box: got '1 1e300 1', expected numbers from -1e+06 to"),
+    ('<box size="1 1e300 1"/>',
+     "size of box: got '1 1e300 1', expected 3 finite numbers of at most 1e+06"),
     ('<box size="1 1"/>', "size of box: got '1 1', expected 3"),
     ('<box size="1 -1 1"/>', 'size of box: got 1 -1 1, expected no negative number'),
-    ('<sphere radius="inf"/>', "radius of sphere: got 'inf', expected 1 finite number"),
-    ('<cylinder radius="1"/>', 'length of cylinder: got None, expected 1 finite number'),
+    ('<sphere radius="inf"/>', "radius of sphere: got 'inf', expected a finite number"),
+    ('<cylinder radius="1"/>', 'length of cylinder: got None, expected a finite number'),
     ('<cylinder radius="1" length="-2"/>', 'size of cylinder: got 1 -2, expected no negative'),
-    ('<capsule length="1"/>', 'radius of capsule: got None, expected 1 finite number'),
-    ('<capsule radius="1"/>', 'length of capsule: got None, expected 1 finite number'),
+    ('<capsule length="1"/>', 'radius of capsule: got None, expected a finite number'),
+    ('<capsule radius="1"/>', 'length of capsule: got None, expected a finite number'),
     ('<mesh filename="a.stl" scale="1 1 1e7"/>', "scale of mesh: got '1 1 1e7', expected")])
 def test_a_size_that_cannot_be_used_is_refused(tag, shape, words):
     assert refusal(read, '<{0}><geometry>{1}</geometry></{0}>'.format(tag, shape)).startswith(

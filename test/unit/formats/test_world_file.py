@@ -160,7 +160,8 @@ def test_all_that_is_missing_is_named(read):
 
 @pytest.mark.parametrize('inside, name, advice', [
     (HINGE, 'joint j of type hinge, which is held', ''), ('<actor name="w"/>', 'actor w', ''),
-    (CRATE.format('0 0 3'), "<pose> of model crate: got '0 0 3', expected 6 finite numbers", ''),
+    (CRATE.format('0 0 3'),
+     "<pose> of model crate: got '0 0 3', expected 6 finite numbers of at most 1e+06", ''),
     ('<include><uri>https://a/b</uri></include>',
      'https://a/b (a URL, which is not downloaded)',
      'download the models and include them by model://NAME, or '),

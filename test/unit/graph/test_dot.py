@@ -7,7 +7,7 @@ import pytest
 
 from img_recog.errors import UserError
 from img_recog.graph import dot
-from img_recog.graph.system import Edge, System
+from img_recog.graph.reader import Edge, System
 from img_recog_helpers import expected
 
 EDGES = (Edge('/usb_cam', '/usb_cam/image_raw', True),

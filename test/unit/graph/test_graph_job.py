@@ -2,7 +2,7 @@
 import pytest
 
 from img_recog.graph import graph_job
-from img_recog.graph.system import Edge, System
+from img_recog.graph.reader import Edge, System
 
 SYSTEM = System(frozenset(['/a', '/b', '/rosout']), frozenset([
     Edge('/a', '/t', True), Edge('/b', '/t', False), Edge('/a', '/leaf', True),

@@ -5,8 +5,7 @@ import xmlrpc.client
 import pytest
 
 from img_recog.errors import UserError
-from img_recog.graph.reader import SystemReader, completed, counts_in, new_messages
-from img_recog.graph.system import Edge
+from img_recog.graph.reader import Edge, SystemReader, completed, counts_in, new_messages
 from img_recog_helpers.waiting import DEADLINE_S
 from img_recog_helpers.xmlrpc_server import XmlRpcServer
 

@@ -1,7 +1,7 @@
 """Which nodes and topics a picture shows."""
 import pytest
 
-from img_recog.graph.system import Edge, System, clusters_of, visible
+from img_recog.graph.reader import Edge, System, clusters_of, visible
 
 CAMERA = Edge('/usb_cam', '/usb_cam/image_raw', True)
 IMAGES = Edge('/color_extract', '/usb_cam/image_raw', False)

@@ -3,7 +3,7 @@ import os
 
 import pytest
 
-from img_recog.rendering.file_cache import FileCache
+from img_recog.rendering.prepared import FileCache
 
 
 @pytest.fixture

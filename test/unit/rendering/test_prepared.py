@@ -7,7 +7,7 @@ from PIL import Image
 
 from img_recog.formats import textures
 from img_recog.formats.meshes import mesh_file
-from img_recog.rendering import disk_cache, prepared
+from img_recog.rendering import prepared
 
 OBJ = ('mtllib m.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nvt 0 0\nvt 1 0\nvt 0 1\no first\n'
        'usemtl a\nf 1/1 2/2 3/3\no second\nf 1/1 2/2 4/3\n')
@@ -33,7 +33,7 @@ def reads(monkeypatch, module):
 
 def read_mesh(folder):
     parts = prepared.read_mesh(str(folder / 'a.obj'))
-    disk_cache.wait()
+    prepared.wait_for_writers()
     return parts
 
 
@@ -79,7 +79,7 @@ def test_a_texture_is_decoded_once(folder, monkeypatch, mode, shape):
     found = reads(monkeypatch, textures)
     for _ in range(2):
         image = prepared.read_texture(path, mode)
-        disk_cache.wait()
+        prepared.wait_for_writers()
         assert image.shape == shape and np.array_equal(image, expected)
     assert len(found) == 1
     os.utime(path, (1, 1))
@@ -114,13 +114,14 @@ def test_without_a_folder_that_can_be_written_it_reads_each_time(folder, monkeyp
 
 
 def test_the_files_that_were_not_used_for_longest_are_removed(folder, monkeypatch):
-    monkeypatch.setattr(disk_cache, 'MAX_BYTES', 3000)
+    monkeypatch.setattr(prepared, 'MAX_BYTES', 3000)
     for number in range(3):
-        disk_cache.store(np.full(1000, number, np.uint8), number, 'key', number)
-        disk_cache.wait()
+        prepared.store_prepared(np.full(1000, number, np.uint8), number, 'key', number)
+        prepared.wait_for_writers()
         for path in cached_files(folder):
             status = os.stat(path)
             os.utime(path, (status.st_atime - 9, status.st_mtime - 9))
-        assert disk_cache.load('key', 0)[1] == 0        # it is in use
-    assert [disk_cache.load('key', number) is None for number in range(3)] == [False, True, False]
+        assert prepared.load_stored('key', 0)[1] == 0        # it is in use
+    assert [prepared.load_stored('key', number) is None for number in range(3)] == [
+        False, True, False]
     assert len(cached_files(folder)) == 2

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from img_recog.recognition.recognition_settings import with_colors
-from img_recog.replay import film_parts
+from img_recog.replay import film_picture
 from img_recog.replay.film_picture import (HEIGHT, WIDTH, FilmPicture, line_colors,
                                            masks_grid)
 from img_recog_helpers.figures import assert_unchanged
@@ -114,7 +114,7 @@ def test_old_values_leave_the_charts():
 def test_a_long_legend_has_several_rows(name, counts):
     picture = np.full((200, 400, 3), 255, np.uint8)
     lines = [(name.format(number), (0, 0, 200), []) for number in range(8)]
-    film_parts.put_chart(picture, (0, 0, 400, 200), 'a chart', lines, 0.0, [])
+    film_picture.put_chart(picture, (0, 0, 400, 200), 'a chart', lines, 0.0, [])
     drawn = (picture == (0, 0, 200)).all(axis=2)
     assert [drawn[y].sum() for y in (32, 48, 64, 80)] == [23 * count for count in counts] + [0] * (
         4 - len(counts))
@@ -127,9 +127,9 @@ def test_parts_look_the_same_wherever_they_are():
 
     def drawn(left, top):
         picture = np.full((300, 700, 3), 255, np.uint8)
-        film_parts.put_chart(picture, (left, top, 400, 180), 'a chart', lines, 9.5,
-                             [(4.0, (0, 0, 200))])
-        film_parts.put_image(picture, (left + 410, top, 100, 80), 'an image', card())
+        film_picture.put_chart(picture, (left, top, 400, 180), 'a chart', lines, 9.5,
+                               [(4.0, (0, 0, 200))])
+        film_picture.put_image(picture, (left + 410, top, 100, 80), 'an image', card())
         return picture[top:top + 200, left:left + 530]
     assert all(np.array_equal(drawn(*place), drawn(0, 0)) for place in ((38, 57), (97, 71)))
 

@@ -15,7 +15,7 @@ from img_recog.conversions import color_detection_msgs, plane_msgs, twist_msgs
 from img_recog.conversions.plane_msgs import PlanePose
 from img_recog.recognition.recognition_settings import with_colors
 from img_recog.replay import figure, plot_job
-from img_recog.replay.recorded_drive import drive_of
+from img_recog.replay.plot_job import drive_of
 from img_recog.recordings.bag_file import BagFile
 from img_recog.replay.plot_data import PlotColor
 from img_recog_helpers.films import SQUARE

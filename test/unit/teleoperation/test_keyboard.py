@@ -7,7 +7,7 @@ from unittest import mock
 
 import pytest
 
-from img_recog.teleoperation.keyboard import Keyboard
+from img_recog.nodes.teleop_key import Keyboard
 from img_recog_helpers.waiting import DEADLINE_S
 
 
@@ -76,7 +76,7 @@ def test_in_the_background_there_are_no_keys_and_the_terminal_is_unchanged(termi
 
 def test_without_a_terminal_the_timeout_is_waited_for(monkeypatch):
     waited = []
-    monkeypatch.setattr('img_recog.teleoperation.keyboard.time.sleep', waited.append)
+    monkeypatch.setattr('img_recog.nodes.teleop_key.time.sleep', waited.append)
     with Keyboard(False) as keyboard:
         assert keyboard.key(0.3) is None
     assert waited == [0.3]

@@ -1,8 +1,7 @@
 """Target velocities by keys, and sent velocities by targets."""
 import pytest
 
-from img_recog.teleoperation.profile import VelocityProfile
-from img_recog.teleoperation.teleop_settings import TeleopSettings
+from img_recog.teleoperation.profile import TeleopSettings, VelocityProfile
 
 
 def pressed(keys, profile=None):

@@ -6,22 +6,49 @@ the indices in a damaged file without a check, and ignore triangles that stand b
 import io
 import logging
 import os
+import re
 from typing import Any, List, NamedTuple, Sequence, Set, Tuple
 
 import numpy as np
 
 from img_recog.errors import UserError, one_line
 from img_recog.files import plain
-from img_recog.formats.meshes import collada, stl, wavefront
+from img_recog.formats.meshes import collada, wavefront
 from img_recog.formats.meshes.file_material import find_texture, number_of
 from img_recog.formats.meshes.simplified import FilePart, Simplified
 from img_recog.model import WHITE, WHOLE, Material, Submesh
 
+_HEADER, _COUNT, _FACET = 80, 4, 50         # bytes; the facets follow their count
+_CORNER = re.compile(rb'^[ \t]*vertex[ \t]+(\S+)[ \t]+(\S+)[ \t]+(\S+)', re.M | re.I)
+_IS_ASCII = re.compile(rb'\A\s*(?:[#!$].*\s+)*(?:solid|facet|color)\b', re.I)
+_FACETS = re.compile(rb'^[ \t]*facet\b', re.M | re.I)
+_BINARY_FACET = np.dtype([('normal', '<f4', 3), ('corners', '<f4', (3, 3)), ('color', '<u2')])
 READABLE = ('.dae', '.obj', '.stl')
 # a triangle takes 300 bytes while it is read, and 108 when it is drawn
 _MAX_BYTES, MAX_TRIANGLES = 1 << 28, 3_000_000
 _MAX_POSITION = 1e9
 _MIN_NORMAL = 0.5       # the length of one that a file gives, instead of 1
+
+
+def simplified(content: bytes) -> bytes:
+    """Return a binary STL with the facets of another one, binary or of text.
+
+    Like in Gazebo, a text is not read as a whole: names and several solids do not matter, and it
+    may end early. Raises ValueError for a facet that has not three corners.
+    """
+    start = _HEADER + _COUNT
+    end = start + _FACET * int.from_bytes(content[_HEADER:start], 'little')
+    lines = b''
+    if len(content) != end and _IS_ASCII.match(content):
+        lines = content.replace(b'\r', b'\n')
+    count, corners = len(_FACETS.findall(lines)), _CORNER.findall(lines)
+    if not count:       # what follows the facets does not matter
+        return content[:end] if start < end <= len(content) else content
+    if len(corners) != 3 * count:
+        raise ValueError('it has {} corners in {} facets'.format(len(corners), count))
+    facets = np.zeros(count, _BINARY_FACET)
+    facets['corners'] = np.array(corners).astype(float).reshape(-1, 3, 3)
+    return bytes(_HEADER) + count.to_bytes(_COUNT, 'little') + facets.tobytes()
 
 
 class Triangles(NamedTuple):
@@ -178,7 +205,7 @@ def _simplified(content: bytes, suffix: str, path: str) -> Simplified:
         return collada.simplified(content, lambda name: find_texture(path, name), MAX_TRIANGLES)
     if suffix == '.obj':
         return wavefront.simplified(content, path)
-    return Simplified(stl.simplified(content), [FilePart()])
+    return Simplified(simplified(content), [FilePart()])
 
 
 def _loaded(file: Simplified, suffix: str) -> Tuple[List[_Part], str]:

@@ -16,44 +16,213 @@ RecognitionSettings with these colors. The latter can be changed by dynamic_reco
 (~set_parameters, ~parameter_descriptions, ~parameter_updates). Serves ~yield (std_srvs/Trigger):
 publishes no commands for 0.5 s.
 """
+import math
 import threading
 import time
 from dataclasses import dataclass
 from functools import partial
-from typing import List, Optional, Sequence, Union
+from typing import Any, Callable, List, Optional, Sequence, Tuple, Type, Union
 
 import cv2
+import rosgraph.names
 import rospy
+from diagnostic_msgs.msg import DiagnosticStatus
+from diagnostic_updater import DiagnosticStatusWrapper
 from geometry_msgs.msg import Twist
 from sensor_msgs.msg import CompressedImage, Image, PointCloud
 from std_msgs.msg import Header
 
 from img_recog import files
 from img_recog.camera_arguments import CAMERA_TOPIC
-from img_recog.conversions import color_detection_msgs, twist_msgs
-from img_recog.conversions.image_msgs import ImageError
+from img_recog.conversions import color_detection_msgs, compressed_image_msgs, twist_msgs
+from img_recog.conversions.image_msgs import ColorImages, ImageError
+from img_recog.errors import shortened
 from img_recog.formats.still_images import ALLOWED_MAX_PIXELS, DEFAULT_MAX_PIXELS
-from img_recog.nodes import color_parameters
-from img_recog.nodes.color_extract.image_inputs import TRANSPORTS, ImageInput
-from img_recog.nodes.color_extract.recognition_diagnostics import RecognitionDiagnostics
 from img_recog.recognition import overlay, parameter_file
 from img_recog.recognition.areas import ColorExtractor
 from img_recog.recognition.commands import POLL_PERIOD_S, Command, Commander
-from img_recog.recognition.recognition_settings import RecognitionSettings, with_colors
+from img_recog.recognition.parameter_file import COLORS, IMAGE_TOPIC, unknown_color
+from img_recog.recognition.recognition_settings import (DEFAULT_COLORS, RecognitionSettings,
+                                                        color_in, color_names, with_colors)
 from img_recog.ros import lifecycle, parameters
-from img_recog.ros.diagnostics import NodeDiagnostics
+from img_recog.ros.diagnostics import (MIN_SHARE, Durations, EventCounter, NodeDiagnostics,
+                                       Refusals, add_counter, add_durations, add_refusals)
 from img_recog.ros.log.throttle import ChangeThrottle, ThrottledWarning
+from img_recog.ros.queues import LatestValue
 from img_recog.ros.reconfigure import Reconfigurable
 from img_recog.ros.transport.direct_publisher import DirectPublisher
 from img_recog.ros.transport.image_publisher import ImagePublisher
+from img_recog.ros.transport.image_subscriber import ImageSubscriber
 from img_recog.ros.transport.rosout import RecurringLine
 from img_recog.ros.yielding import Yielding
-from img_recog.settings import Settings, one_of, setting
+from img_recog.settings import SettingError, Settings, one_of, setting
 
+_STALE_S = 2.0          # without an image: longer is a warning
+_MAX_LATENCY_S = 60.0   # a larger one is an image with old stamps, as of a bag
+TRANSPORTS = ('raw', 'compressed')      # names as in image_transport
+# Processing is too slow for the thread that receives if an image takes longer, or if more wait in
+# its socket; it is left to the loop for this time.
+_MAX_PROCESSING_S, _MAX_WAITING = 0.03, 1
+_LATE_S = 1.0
 _TOPICS = (CAMERA_TOPIC, 'cmd_vel', 'color_detection', 'color_overlay', '/rosout')
 # a frame of 640x480 takes 5 % less CPU time if the loop waits so long unless lost colors stop the
 # robot
 _NO_POLL_S = 60.0
+
+
+class RecognitionDiagnostics:
+    """Counters of the node, and their report.
+
+    topic: of the images.
+    received: images that arrived; replaced: those of them that a newer one replaced before they
+    were processed; refused: those that could not be used; processed: the others.
+    commands: published on cmd_vel.
+    processing: of an image, from taking it to the last result; latency: from the stamp of an
+    image to its commands, in ROS time.
+    """
+
+    def __init__(self, topic: str, now: Callable[[], float] = time.monotonic):
+        """Start to count.
+
+        topic: of the images.
+        """
+        self.topic, self._now = topic, now
+        self.received, self.replaced = EventCounter(now), EventCounter(now)
+        self.processed, self.commands = EventCounter(now), EventCounter(now)
+        self.refused = Refusals()
+        self.processing, self.latency = Durations(), Durations()
+        self._reported, self._last_s = 0, now()
+
+    def count_latency(self, now_s: float, stamp_s: float) -> None:
+        """Count the time from the stamp of an image to now, if both are of the same clock."""
+        if stamp_s > 0 and 0.0 <= now_s - stamp_s <= _MAX_LATENCY_S:
+            self.latency.add(now_s - stamp_s)
+
+    def report(self, status: DiagnosticStatusWrapper) -> None:
+        """Fill in the status; to be called once in each period."""
+        received = self.received.total
+        if received != self._reported:
+            self._reported, self._last_s = received, self._now()
+        received_hz = add_counter(status, 'images received', self.received)
+        status.add('images replaced by newer ones', str(self.replaced.total))
+        processed_hz = add_counter(status, 'images processed', self.processed)
+        add_counter(status, 'commands', self.commands)
+        add_durations(status, 'processing', self.processing)
+        add_durations(status, 'stamp to commands', self.latency)
+        replaced_hz = self.replaced.rate_hz()
+        status.summary(*self._summary(received_hz, replaced_hz, processed_hz))
+        if add_refusals(status, 'images', self.refused) and processed_hz == 0:
+            status.mergeSummary(DiagnosticStatus.ERROR, 'no image can be used: check the camera')
+
+    def _summary(self, received_hz: float, replaced_hz: float, processed_hz: float
+                 ) -> Tuple[int, str]:
+        silent_s = self._now() - self._last_s
+        if silent_s > _STALE_S:
+            return DiagnosticStatus.WARN, 'no images on {} {}: start a camera'.format(
+                self.topic, 'for {:.0f} s'.format(silent_s) if self._reported else 'yet')
+        if replaced_hz > (1 - MIN_SHARE) * received_hz:
+            return DiagnosticStatus.WARN, ('too slow: {:.1f} of {:.1f} images a second are '
+                                           'processed; use a smaller image or rate'.format(
+                                               processed_hz, received_hz))
+        return DiagnosticStatus.OK, '{:.1f} Hz'.format(processed_hz)
+
+
+class ImageInput:
+    """Subscribes to images, raw or compressed.
+
+    A raw image is processed in the thread that receives it: this saves the change to another
+    thread. When that takes too long for the rate of the images, it is left to the loop for a
+    while, so that images are received meanwhile and the loop gets the newest. Decoding a
+    compressed image takes long: all are left to the loop.
+
+    take, wake: those of a LatestValue with the message that is left to the loop.
+    decode: returns the image of a message, and its encoding; raises ImageError.
+    """
+
+    def __init__(self, topic: str, transport: str, counts: RecognitionDiagnostics, max_pixels: int,
+                 process: Callable[[Image], bool], now: Callable[[], float] = time.monotonic):
+        """Subscribe.
+
+        topic: of the raw images; transport: one of TRANSPORTS.
+        max_pixels: larger images are refused, compressed ones before they are decoded.
+        process: is called with an image, in any thread; returns whether it was processed. If it
+        was not, the image is left to the loop.
+        """
+        self._counts, self._process, self._now = counts, process, now
+        self._latest = LatestValue()
+        self.take, self.wake = self._latest.take, self._latest.wake
+        if transport == 'raw':
+            self._late_until_s = now()
+            self.decode = ColorImages(max_pixels).from_msg
+            ImageSubscriber(topic, self._receive, counts.refused.add)
+        else:
+            self._late_until_s = math.inf
+            self.decode = lambda msg: (compressed_image_msgs.from_msg(msg, max_pixels), 'bgr8')
+            rospy.Subscriber(rospy.resolve_name(topic) + '/compressed', CompressedImage,
+                             self._receive, queue_size=1, buff_size=1 << 24, tcp_nodelay=True)
+
+    def done(self, seconds: float) -> None:
+        """Take note of how long the processing of an image took."""
+        if seconds > _MAX_PROCESSING_S:
+            self._be_late()
+
+    def _receive(self, msg: Union[Image, CompressedImage]) -> None:
+        self._counts.received.add()
+        if getattr(msg, 'waiting', 0) > _MAX_WAITING:       # plain rospy does not know it
+            self._be_late()
+        if self._now() < self._late_until_s or not self._process(msg):
+            if self._latest.put(msg) is not None:
+                self._counts.replaced.add()
+                self._be_late()
+
+    def _be_late(self) -> None:
+        self._late_until_s = max(self._late_until_s, self._now() + _LATE_S)
+
+
+def read(namespace: str = '~') -> RecognitionSettings:
+    """Return the settings given by the parameters of a node, with the colors in ~colors.
+
+    namespace: the resolved name of the node, if it is not this one.
+    Raises ParameterError naming the parameter, its value and the allowed values.
+    """
+    names = parameters.read_one(COLORS, list(DEFAULT_COLORS), color_names, namespace)
+    return parameters.read(with_colors(names), namespace=namespace)
+
+
+def read_image_topics(settings: RecognitionSettings, used_topics: Sequence[str]) -> List[str]:
+    """Return for each color the topic of its masked images, by default NAME_image.
+
+    used_topics: topics that the node already uses.
+    Raises ParameterError for a topic name that is invalid or already used.
+    """
+    used = {rospy.resolve_name(topic) for topic in used_topics}
+
+    def checked(parameter: str, topic: Any) -> str:
+        if not (isinstance(topic, str) and topic and rosgraph.names.is_legal_name(topic)):
+            raise SettingError(parameter, topic, 'a valid topic name')
+        if rospy.resolve_name(topic) in used:
+            raise SettingError(parameter, topic, 'a topic that this node does not already use')
+        used.add(rospy.resolve_name(topic))
+        return topic
+    topic_parameters = (IMAGE_TOPIC.format(name) for name in settings.color_names)
+    return [parameters.read_one(parameter, name + '_image', partial(checked, parameter))
+            for parameter, name in zip(topic_parameters, settings.color_names)]
+
+
+def warn_of_unknown(settings: RecognitionSettings, *others: Type[Settings]) -> None:
+    """Log one warning for each private parameter that the node does not have.
+
+    others: the other settings of the node.
+    """
+    known = [COLORS, *(IMAGE_TOPIC.format(name) for name in settings.color_names)]
+    of_unknown_colors = []
+    for name in parameters.names_in('~'):
+        color = color_in(name)
+        if color is not None and color not in settings.color_names:
+            of_unknown_colors.append(name)
+            rospy.logwarn('parameter %s: %s', shortened(rospy.resolve_name('~' + name)),
+                          unknown_color(color, settings.color_names))
+    parameters.warn_of_unknown(type(settings), *others, also_known=known + of_unknown_colors)
 
 
 @dataclass(frozen=True)
@@ -78,9 +247,9 @@ class ColorExtract:
         given = parameters.read(InputSettings)
         if given.colors_file:
             parameter_file.read(files.find_user_path(given.colors_file))
-        settings = color_parameters.read()
-        topics = color_parameters.read_image_topics(settings, _TOPICS)
-        color_parameters.warn_of_unknown(settings, InputSettings)
+        settings = read()
+        topics = read_image_topics(settings, _TOPICS)
+        warn_of_unknown(settings, InputSettings)
         self._extractor = ColorExtractor(settings)
         self._commander = Commander(settings, time.monotonic())
         self._settings = settings

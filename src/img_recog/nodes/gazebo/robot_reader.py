@@ -9,7 +9,7 @@ import rospy
 from img_recog.conversions.sensor_table import CAMERA, SENSORS
 from img_recog.errors import SimulationError, shortened
 from img_recog.formats import model_file
-from img_recog.formats.texts import text_of
+from img_recog.formats.reader import text_of
 from img_recog.loading import assemble
 from img_recog.model import Tree
 from img_recog.nodes.gazebo import controllers

@@ -12,9 +12,10 @@ Serves: ~start_capture, ~stop_capture (std_srvs/Empty), ~set_camera_info
 UsbCamSettings and ControlSettings and intrinsic_controls as private parameters, those of
 CompressionSettings in ~image_raw/compressed.
 """
+import dataclasses
 import threading
 import time
-from typing import List, Optional, Set
+from typing import Callable, List, Mapping, Optional, Set
 
 import numpy as np
 import rospy
@@ -26,23 +27,23 @@ from std_msgs.msg import Header
 from std_srvs.srv import Empty, EmptyRequest, EmptyResponse
 
 from img_recog import files
-from img_recog.camera import selection
-from img_recog.camera.controls import SETTINGS
+from img_recog.camera import controls, selection
 from img_recog.camera.capture import Capture, Listener
+from img_recog.camera.controls import SETTINGS, ControlDevice
 from img_recog.camera.frame_pacing import Stamps
-from img_recog.camera.usb_cam_settings import UsbCamSettings, ControlSettings, intrinsic_controls
 from img_recog.camera.source import FrameSource, redacted
+from img_recog.camera.usb_cam_settings import ControlSettings, UsbCamSettings, intrinsic_controls
 from img_recog.conversions.compressed_image_msgs import CompressionSettings
-from img_recog.errors import named_in_crashes
+from img_recog.errors import named_in_crashes, one_line
 from img_recog.nodes.compressed_images import CompressedImages
-from img_recog.nodes.usb_cam.camera_info import CameraCalibration
-from img_recog.nodes.usb_cam.device_controls import CameraControls
 from img_recog.nodes.usb_cam.camera_diagnostics import CameraDiagnostics
+from img_recog.nodes.usb_cam.camera_info import CameraCalibration
 from img_recog.ros import lifecycle, parameters
 from img_recog.ros.diagnostics import NodeDiagnostics, add_counter
 from img_recog.ros.log.throttle import ThrottledWarning
 from img_recog.ros.reconfigure import Reconfigurable
 from img_recog.ros.transport.image_publisher import ImagePublisher
+from img_recog.settings import setting_fields
 
 _CHECK_PERIOD_S = 0.2
 _FLUSH_S = 0.3
@@ -50,6 +51,63 @@ _NO_CLOCK = ('the time is unknown: there is no message on /clock; start the simu
              '/use_sim_time to false and start the camera again')
 # read by diagnostic_updater, by CompressedImages (a namespace), and here separately
 _FOREIGN_PARAMETERS = ('diagnostic_period', 'image_raw', 'intrinsic_controls')
+
+
+class CameraControls:
+    """Sets the controls of a device each time it is opened, and each time they change."""
+
+    def __init__(self, settings: ControlSettings, intrinsic: Mapping[str, int]):
+        self._settings, self._intrinsic = settings, intrinsic
+        self._path: Optional[str] = None
+        self._lock = threading.Lock()
+        self._logged: Set[str] = set()
+
+    def set_device(self, path: Optional[str]) -> None:
+        """Set the controls of the device at `path`, which was opened; None: it is not a device."""
+        with self._lock:
+            self._path = path
+            if path is None:
+                self._log_without_effect()
+            self._apply(self._intrinsic)
+
+    def change(self, settings: ControlSettings) -> None:
+        """Apply new settings, now and each time the device is opened again."""
+        with self._lock:
+            changed = [field.name for field in dataclasses.fields(settings)
+                       if getattr(settings, field.name) != getattr(self._settings, field.name)]
+            self._settings = settings
+            self._logged = {problem for problem in self._logged
+                            if not any(name in problem for name in changed)}
+            self._apply({})
+
+    def _apply(self, intrinsic: Mapping[str, int]) -> None:
+        if self._path is None:
+            return
+        try:
+            device = ControlDevice(self._path)
+        except OSError as error:
+            self._warn('cannot set the controls of {}: {}'.format(self._path, one_line(error)))
+            return
+        try:
+            for problem in controls.apply(device, self._settings, intrinsic):
+                self._warn(problem)
+        finally:
+            device.close()
+
+    def _log_without_effect(self) -> None:
+        given = [field.name for field in setting_fields(ControlSettings)
+                 if getattr(self._settings, field.name) != field.default]
+        if given or self._intrinsic:
+            self._log_once(rospy.loginfo, 'not a device: these controls have no effect: {}'.format(
+                ', '.join(given + sorted(self._intrinsic))))
+
+    def _warn(self, problem: str) -> None:
+        self._log_once(rospy.logwarn, problem)
+
+    def _log_once(self, log: Callable[..., None], line: str) -> None:
+        if line not in self._logged:       # not again each time the device is reopened
+            self._logged.add(line)
+            log('%s', line)
 
 
 class UsbCam(Listener):

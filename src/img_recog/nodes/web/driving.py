@@ -13,7 +13,7 @@ from img_recog.ros import timed_xmlrpc
 from img_recog.ros.log.throttle import ThrottledWarning
 from img_recog.ros.master import master
 from img_recog.ros.stopping_publisher import StoppingPublisher
-from img_recog.teleoperation.teleop_settings import VelocityLimits
+from img_recog.teleoperation.profile import VelocityLimits
 
 _PERIOD_S = 0.05
 POLL_PERIOD_S = 1.0    # how often the threads check for the shutdown

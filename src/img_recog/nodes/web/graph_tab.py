@@ -9,8 +9,7 @@ from nicegui import ui
 
 from img_recog.errors import UserError, one_line
 from img_recog.graph import dot
-from img_recog.graph.reader import SystemReader
-from img_recog.graph.system import System, visible
+from img_recog.graph.reader import System, SystemReader, visible
 from img_recog.nodes.web.page_elements import Visit
 
 _PERIOD_S = 1.0         # a graph that was read is shown to all pages for this time

@@ -1,14 +1,19 @@
 """The tab with pictures, charts, map, drive buttons and the simulation."""
 import math
+import os
+import subprocess
+import tempfile
 from functools import partial
 from typing import Any, Dict, Iterable, Sequence, Tuple
 
 from nicegui import app, ui
 
-from img_recog.nodes.web import drive_picture, simulation_service
-from img_recog.nodes.web.page_elements import (
-    OneCall, Slider, Visit, button, card, numbers, paragraph, picture, wait_for)
+from img_recog.errors import UserError, one_line
+from img_recog.nodes.web import simulation_service
+from img_recog.nodes.web.page_elements import (OneCall, Slider, Visit, button, card, numbers,
+                                               paragraph, picture, wait_for)
 
+TIMEOUT_S = 120.0
 _FACTORS = (0.25, 0.5, 1.0, 2.0, 5.0, 0.0)
 # readable on a light and on a dark card
 _CHART_TEXT, _CHART_LINES = '#8b919c', '#8b919c44'
@@ -19,6 +24,32 @@ _PAD: Sequence[Tuple[str, str, str]] = (      # text, icon, direction; by rows o
     ('', '', ''), ('forward', 'arrow_upward', '1,0'), ('', '', ''),
     ('left', 'rotate_left', '0,1'), ('stop', 'stop', '0,0'), ('right', 'rotate_right', '0,-1'),
     ('', '', ''), ('backward', 'arrow_downward', '-1,0'), ('', '', ''))
+
+
+def draw(path: str, robot: str, colors: str) -> str:
+    """Draw the drive of a robot in a bag; return the path of the picture, beside the bag.
+
+    robot: its namespace, '' for the only one. colors: the text of a parameter file, '' for those
+    of the article. Waits: not for the event loop. Raises UserError if it cannot be drawn.
+    """
+    output = os.path.splitext(path)[0] + '.png'
+    words = ['rosrun', 'img_recog', 'plot.py', path, output]
+    with tempfile.NamedTemporaryFile('w', suffix='.yaml') as file:
+        file.write(colors)
+        file.flush()
+        words += ['--robot', robot] if robot else []
+        words += ['--colors', file.name] if colors else []
+        try:
+            done = subprocess.run(words, stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL,
+                                  stderr=subprocess.PIPE, timeout=TIMEOUT_S, check=False)
+        except (OSError, subprocess.TimeoutExpired) as error:
+            raise UserError('no picture of {}: {}'.format(path, one_line(error)))
+    if done.returncode:
+        lines = done.stderr.decode(errors='replace').split('\n')
+        reason = next((line for line in reversed(lines) if line.strip()),
+                      'exit code {}'.format(done.returncode))
+        raise UserError(reason.replace('plot.py: error: ', ''))
+    return output
 
 
 class LiveTab:
@@ -163,7 +194,7 @@ class LiveTab:
     async def _draw(self, path: str) -> None:
         """Show a link to the picture of a recording."""
         robot = self._robot.resolve('odom')[:-len('odom')].strip('/')
-        picture = await self._picture_call.wait_for(lambda: drive_picture.draw(
+        picture = await self._picture_call.wait_for(lambda: draw(
             path, robot, self._robot.colors.as_file()))
         if picture:
             self._drive_picture.props('href=' + app.add_static_file(

@@ -20,7 +20,7 @@ from img_recog.recognition.recognition_settings import DEFAULT_COLORS, color_nam
 from img_recog.ros import parameters, timed_xmlrpc
 from img_recog.ros.log.throttle import ThrottledWarning
 from img_recog.ros.master import master
-from img_recog.teleoperation.teleop_settings import VelocityLimits
+from img_recog.teleoperation.profile import VelocityLimits
 
 _COMMANDS, _ODOMETRY = 'cmd_vel', 'odom'
 

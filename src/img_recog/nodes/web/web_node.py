@@ -38,8 +38,7 @@ from img_recog.nodes.web.feed import Feed
 from img_recog.nodes.web.measurements import SystemTopics
 from img_recog.nodes.web.pictures import PictureTopics
 from img_recog.nodes.web.page_elements import Shared
-from img_recog.nodes.web.page_server import (Server, address, listen, parse_in_turn,
-                                             report_errors)
+from img_recog.nodes.web.page import Server, address, listen, parse_in_turn, report_errors
 from img_recog.nodes.web.shown_robots import ShownRobots, resolve
 from img_recog.nodes.web.tabs import TABS
 from img_recog.nodes.web.tuning import Tuning
@@ -50,7 +49,7 @@ from img_recog.ros import lifecycle, parameters
 from img_recog.ros.diagnostics import NodeDiagnostics
 from img_recog.ros.log.throttle import Throttle, ThrottledWarning
 from img_recog.ros.master import master
-from img_recog.teleoperation.teleop_settings import VelocityLimits
+from img_recog.teleoperation.profile import VelocityLimits
 
 _POLL_PERIOD_S = 0.5
 _START_TIMEOUT_S, _QUIET_S = 10.0, 1.5

@@ -17,7 +17,7 @@ from img_recog.formats import allowed_names, heightmaps
 from img_recog.formats.inertias import INERTIA_KEYS
 from img_recog.formats.meshes import mesh_file
 from img_recog.formats.meshes.mesh_file import MeshError
-from img_recog.formats.numbers import words
+from img_recog.formats.reader import words
 from img_recog.model import (BOX, CAPSULE, CYLINDER, MESH, PLANE, SPHERE, Inertia, Joint, Link,
                              Look, Material, Model, Shape, Solid)
 from img_recog.report import LEFT_OUT, Report

@@ -8,7 +8,7 @@ from typing import Tuple
 import numpy as np
 
 from img_recog.errors import SimulationError
-from img_recog.formats.kept_files import kept
+from img_recog.formats.generated_meshes import kept
 from img_recog.formats.meshes import mesh_file
 from img_recog.formats.meshes.mesh_file import MeshError
 from img_recog.model import WHOLE, Submesh

@@ -6,6 +6,7 @@ poses; whether it exists does not influence the simulation.
 """
 import dataclasses
 import math
+import os
 import time
 from multiprocessing.connection import Connection
 from typing import Dict, List, NamedTuple, Optional, Sequence
@@ -16,7 +17,7 @@ from img_recog.formats.world_file import WorldFile
 from img_recog.model import FIXED, SUN, Joint, Link, Look, Material, Model, Tree
 from img_recog.processes.helper_process import HelperProcess
 from img_recog.simulation.physics.body import Body, BodyPose
-from img_recog.simulation.physics.client import connect
+from img_recog.simulation.physics.client import client_argument, connect
 from img_recog.simulation.physics.world import load_bodies
 from img_recog.simulation.pictures.view import ABOVE, FIELD_OF_VIEW, Viewpoint
 from img_recog.simulation.simulator import Simulator
@@ -71,22 +72,32 @@ class SceneCopy:
             _add_floor(physics_client_id)
 
     def load(self, scene: Scene) -> None:
-        """Replace the bodies by those of a scene."""
-        physics_client_id = self._physics_client_id
+        """Replace the bodies by those of a scene.
+
+        A window draws nothing until `place`. Otherwise, PyBullet draws it between any two shapes:
+        on a busy processor without a GPU, this takes a minute, in which the robot is not seen.
+        """
+        self._is_hidden = True
+        client = client_argument(self._physics_client_id)
+        pybullet.configureDebugVisualizer(pybullet.COV_ENABLE_RENDERING, 0, **client)
         for body in self.bodies:
-            pybullet.removeBody(body.body_id, physicsClientId=physics_client_id)
+            pybullet.removeBody(body.body_id, **client)
         trees = [tree._replace(model=split_links_by_color(tree.model)) for tree in scene.trees]
-        self.bodies = [body for _, body in load_bodies(trees, physics_client_id, visuals=True)]
+        self.bodies = [body for _, body in load_bodies(trees, self._physics_client_id,
+                                                       visuals=True)]
         for body in self.bodies:
             for link in body.links:
                 # otherwise each tall body would show a reflection of the sun
-                pybullet.changeVisualShape(body.body_id, link, specularColor=(0, 0, 0),
-                                           physicsClientId=physics_client_id)
+                pybullet.changeVisualShape(body.body_id, link, specularColor=(0, 0, 0), **client)
 
     def place(self, poses: Sequence[BodyPose]) -> None:
         """Move the bodies to the poses that `poses_of` returns for the simulation."""
         for body, pose in zip(self.bodies, poses):
             body.place(pose)
+        if self._is_hidden:
+            pybullet.configureDebugVisualizer(pybullet.COV_ENABLE_RENDERING, 1,
+                                              physicsClientId=self._physics_client_id)
+            self._is_hidden = False
 
 
 def _add_floor(physics_client_id: int) -> None:
@@ -152,17 +163,18 @@ class Window:
 
 def show_until_closed(connection: Connection, scene: Scene, viewpoint: Viewpoint) -> None:
     """Show the newest poses until the window or the other end of the connection is closed."""
+    os.dup2(os.open(os.devnull, os.O_WRONLY), 1)    # PyBullet prints 40 lines about OpenGL
     physics_client_id = connect(pybullet.GUI, _OPTIONS)
-    pybullet.configureDebugVisualizer(pybullet.COV_ENABLE_GUI, 0,
-                                      physicsClientId=physics_client_id)
-    pybullet.configureDebugVisualizer(physicsClientId=physics_client_id, **_LIGHT)
-    copy = SceneCopy(scene, physics_client_id, floor=scene.world.has_floor)
+    client = client_argument(physics_client_id)
+    pybullet.configureDebugVisualizer(pybullet.COV_ENABLE_GUI, 0, **client)
+    pybullet.configureDebugVisualizer(**_LIGHT, **client)
+    # before anything is drawn
     pybullet.resetDebugVisualizerCamera(
         cameraDistance=viewpoint.distance * _DISTANCE_FACTOR, cameraYaw=viewpoint.yaw,
-        cameraPitch=viewpoint.pitch, cameraTargetPosition=viewpoint.target,
-        physicsClientId=physics_client_id)
+        cameraPitch=viewpoint.pitch, cameraTargetPosition=viewpoint.target, **client)
+    copy = SceneCopy(scene, physics_client_id, floor=scene.world.has_floor)
     try:
-        while pybullet.isConnected(physicsClientId=physics_client_id):
+        while pybullet.isConnected(**client):
             messages = [connection.recv()]
             while connection.poll():
                 messages.append(connection.recv())

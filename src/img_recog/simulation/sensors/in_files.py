@@ -4,8 +4,7 @@ from typing import Dict, Iterator, List, NamedTuple, Optional, Sequence, Tuple, 
 
 from img_recog.formats import camera_values
 from img_recog.formats.gazebo_tags import Tags, Values, is_of, label, values_in
-from img_recog.formats.numbers import read_numbers
-from img_recog.formats.texts import name_of, text_of
+from img_recog.formats.reader import name_of, read as read_text, text_of
 from img_recog.model import AttachedFrame, Tag
 from img_recog.report import NOT_SIMULATED, Report
 from img_recog.rotations import IDENTITY, transform
@@ -127,7 +126,7 @@ def _place_of(part: _Part) -> Optional[AttachedFrame]:
         return AttachedFrame(link, IDENTITY) if link else None
     text, numbers = text_of(part.sensor, 'pose'), [0.0] * 6
     if text:
-        numbers = read_numbers('<pose> of ' + label(part.sensor, 'name'), text, 6).tolist()
+        numbers = read_text('6numbers', text, '<pose> of ' + label(part.sensor, 'name')).tolist()
     return AttachedFrame(part.link, transform(numbers[:3], numbers[3:])) if part.link else None
 
 

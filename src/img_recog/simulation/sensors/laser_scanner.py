@@ -8,7 +8,7 @@ import numpy as np
 from img_recog.formats import noises
 from img_recog.formats.gazebo_tags import EACH_STEP, NAME, NUMBER, TOPIC, Reader, Row, Tags
 from img_recog.formats.noises import Noise
-from img_recog.formats.texts import name_of, text_of
+from img_recog.formats.reader import name_of, text_of
 from img_recog.settings import Settings, above, any_value, at_least, between, not_empty, setting
 from img_recog.simulation.sensors import ray_sensor
 from img_recog.simulation.sensors.ray_sensor import FanSensor

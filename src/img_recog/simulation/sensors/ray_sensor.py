@@ -9,7 +9,7 @@ import pybullet
 from img_recog import rotations
 from img_recog.errors import SimulationError
 from img_recog.formats.gazebo_tags import INTEGER, NUMBER, RATE, Row
-from img_recog.formats.texts import name_of, text_of
+from img_recog.formats.reader import name_of, text_of
 from img_recog.simulation.physics.solids import Bundles
 from img_recog.simulation.sensors.sensor import Mount, Sensor
 

@@ -2,8 +2,8 @@
 import pytest
 from sensor_msgs.msg import Image
 
-from img_recog.nodes.color_extract import image_inputs
-from img_recog.nodes.color_extract.recognition_diagnostics import RecognitionDiagnostics
+from img_recog.nodes.color_extract import color_extract_node
+from img_recog.nodes.color_extract.color_extract_node import RecognitionDiagnostics
 
 
 class FakeSubscriber:
@@ -21,12 +21,12 @@ class Node:
 
     def __init__(self, monkeypatch):
         made = []
-        monkeypatch.setattr(image_inputs, 'ImageSubscriber',
+        monkeypatch.setattr(color_extract_node, 'ImageSubscriber',
                             lambda *words: made.append(FakeSubscriber(*words)) or made[0])
         self.now_s, self.seconds, self.is_free, self.processed = 100.0, 0.0, True, []
         self.counts = RecognitionDiagnostics('/image')
-        self.input = image_inputs.ImageInput('/image', 'raw', self.counts, 12, self.process,
-                                             lambda: self.now_s)
+        self.input = color_extract_node.ImageInput('/image', 'raw', self.counts, 12, self.process,
+                                                   lambda: self.now_s)
         self.subscriber, = made
         self.receive = self.subscriber.receive
 

@@ -2,7 +2,7 @@
 import pytest
 from diagnostic_msgs.msg import DiagnosticStatus
 
-from img_recog.nodes.color_extract.recognition_diagnostics import RecognitionDiagnostics
+from img_recog.nodes.color_extract.color_extract_node import RecognitionDiagnostics
 from img_recog_helpers.statuses import report
 
 OK, WARN, ERROR = DiagnosticStatus.OK, DiagnosticStatus.WARN, DiagnosticStatus.ERROR

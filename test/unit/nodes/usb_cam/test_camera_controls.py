@@ -4,14 +4,14 @@ from types import SimpleNamespace
 import pytest
 
 from img_recog.camera.usb_cam_settings import ControlSettings
-from img_recog.nodes.usb_cam import device_controls
-from img_recog.nodes.usb_cam.device_controls import CameraControls
+from img_recog.nodes.usb_cam import usb_cam_node
+from img_recog.nodes.usb_cam.usb_cam_node import CameraControls
 
 
 @pytest.fixture
 def lines(monkeypatch):
     logged = []
-    monkeypatch.setattr(device_controls, 'rospy', SimpleNamespace(
+    monkeypatch.setattr(usb_cam_node, 'rospy', SimpleNamespace(
         loginfo=lambda text, *values: logged.append(text % values),
         logwarn=lambda text, *values: logged.append(text % values)))
     return logged

@@ -5,7 +5,7 @@ import re
 import pytest
 
 from img_recog.errors import UserError
-from img_recog.nodes.web import drive_picture
+from img_recog.nodes.web import live_tab
 
 
 @pytest.fixture
@@ -24,7 +24,7 @@ def rosrun(tmp_path, monkeypatch):
 def test_what_plot_gets(tmp_path, rosrun, robot, colors, more):
     rosrun('echo "$@" >"$3.words"; [ -z "$8" ] || cat "$8" >"$3.colors"')
     path = str(tmp_path / 'in.bag')
-    assert drive_picture.draw(path, robot, colors) == str(tmp_path / 'in.png')
+    assert live_tab.draw(path, robot, colors) == str(tmp_path / 'in.png')
     assert re.match('img_recog plot.py {} {}{}'.format(path, tmp_path / 'in.png', more),
                     (tmp_path / 'in.bag.words').read_text())
     if colors:
@@ -35,7 +35,7 @@ def test_what_plot_gets(tmp_path, rosrun, robot, colors, more):
     ('echo "plot.py: error: in.bag has no odometry" >&2; exit 1', '^in.bag has no odometry$'),
     ('exit 3', '^exit code 3$'), ('sleep 60 >&- 2>&-', '^no picture of .*in.bag: .*timed out')])
 def test_a_picture_that_is_not_drawn(tmp_path, rosrun, monkeypatch, script, problem):
-    monkeypatch.setattr(drive_picture, 'TIMEOUT_S', 1.0)
+    monkeypatch.setattr(live_tab, 'TIMEOUT_S', 1.0)
     rosrun(script)
     with pytest.raises(UserError, match=problem):
-        drive_picture.draw(str(tmp_path / 'in.bag'), '', '')
+        live_tab.draw(str(tmp_path / 'in.bag'), '', '')

@@ -9,7 +9,7 @@ from img_recog.nodes.web import driving
 from img_recog.nodes.web.driving import HOLD_S, Driving, Speeds, yield_services
 from img_recog.ros import stopping_publisher
 from img_recog.ros.timed_xmlrpc import SystemState
-from img_recog.teleoperation.teleop_settings import VelocityLimits
+from img_recog.teleoperation.profile import VelocityLimits
 from img_recog_helpers.waiting import DEADLINE_S, wait_for
 
 

@@ -13,9 +13,9 @@ import urllib.request
 import pytest
 
 from img_recog.errors import UserError
-from img_recog.nodes.web import connections, page_server
+from img_recog.nodes.web import connections, page
 from img_recog.nodes.web.connections import admit
-from img_recog.nodes.web.page_server import Server, address, listen
+from img_recog.nodes.web.page import Server, address, listen
 from img_recog_helpers.waiting import DEADLINE_S, wait_for
 
 
@@ -61,7 +61,7 @@ def test_an_address_of_another_computer(host):
 
 
 def test_all_ports_taken(monkeypatch):
-    monkeypatch.setattr(page_server, 'PORTS', 1)
+    monkeypatch.setattr(page, 'PORTS', 1)
     with listen('127.0.0.1', 0) as taken:
         with pytest.raises(UserError, match='ports .*: Address already in use'):
             listen('127.0.0.1', taken.getsockname()[1])
@@ -70,7 +70,7 @@ def test_all_ports_taken(monkeypatch):
 def test_a_port_that_only_root_may_use(monkeypatch):
     def refuse(*_, **__):
         raise PermissionError(13, 'Permission denied')
-    monkeypatch.setattr(page_server.socket, 'create_server', refuse)
+    monkeypatch.setattr(page.socket, 'create_server', refuse)
     with pytest.raises(UserError, match='ports 80 to 90: Permission denied; set web_port to a '
                        'port from 1024 on'):
         listen('127.0.0.1', 80)
@@ -99,7 +99,7 @@ def test_the_address_of_a_container_is_that_of_its_host(monkeypatch):
 
 def test_what_libraries_log_as_errors_is_reported(capfd):
     reported = []
-    page_server.report_errors(reported.append)
+    page.report_errors(reported.append)
     logger = logging.getLogger('engineio.server')
     try:
         raise ValueError('bad packet')
@@ -248,7 +248,7 @@ def test_strangers_push_out_strangers_and_never_visitors_with_the_token(serve, m
 
 
 def test_a_server_answers_until_it_is_closed(monkeypatch):
-    monkeypatch.setattr(page_server, 'END_TIMEOUT_S', DEADLINE_S)   # for a busy machine
+    monkeypatch.setattr(page, 'END_TIMEOUT_S', DEADLINE_S)   # for a busy machine
     failures, sock = [], listen('127.0.0.1', free_port())
     url = 'http://127.0.0.1:{}/'.format(sock.getsockname()[1])
     running = Server(hello, sock, failures.append)
@@ -288,7 +288,7 @@ class Cycle:
 
 def test_threads_that_parse_do_not_disturb_one_another(monkeypatch):
     monkeypatch.setattr(ast, 'parse', ast.parse)        # it is put back after the test
-    page_server.parse_in_turn()
+    page.parse_in_turn()
     errors, end_s = [], time.monotonic() + 1
 
     def parse(depth):

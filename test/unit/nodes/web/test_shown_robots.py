@@ -10,7 +10,7 @@ from img_recog.nodes.web.measurements import SystemTopics
 from img_recog.nodes.web.pictures import PictureTopics
 from img_recog.nodes.web.shown_robots import ShownRobot, ShownRobots, names_in
 from img_recog.ros.timed_xmlrpc import SystemState
-from img_recog.teleoperation.teleop_settings import VelocityLimits
+from img_recog.teleoperation.profile import VelocityLimits
 
 WEB = '/web'
 

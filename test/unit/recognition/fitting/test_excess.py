@@ -3,8 +3,7 @@ import cv2
 import numpy as np
 import pytest
 
-from img_recog.recognition.fitting.excess import shares
-from img_recog.recognition.fitting.histograms import SHAPE
+from img_recog.recognition.fitting.histograms import SHAPE, shares
 from img_recog.recognition.fitting.volume import Sparse, sparse
 
 GRAY, RED = (120, 124, 121), (40, 30, 190)      # BGR

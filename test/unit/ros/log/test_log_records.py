@@ -6,7 +6,7 @@ import pytest
 from rosgraph.roslogging import RosStreamHandler
 
 from img_recog.errors import MAX_LINE
-from img_recog.ros.log import log_records
+from img_recog.ros.log import log_handlers
 
 FORGED = 'x\n[FATAL] forged\x1b[2J'
 
@@ -15,7 +15,7 @@ FORGED = 'x\n[FATAL] forged\x1b[2J'
 def logger():
     """A logger with the handlers of rospy; its records are those of our nodes."""
     before = logging.getLogRecordFactory()
-    log_records.install()
+    log_handlers.use_safe_records()
     logger = logging.Logger('test')
     logger.terminal, logger.file = io.StringIO(), io.StringIO()
     logger.addHandler(RosStreamHandler(False, logger.terminal, logger.terminal))

@@ -206,7 +206,9 @@ def test_window_shows_the_newest_poses_from_the_camera_above(monkeypatch):
         ((pybullet.COV_ENABLE_GUI, 0), {'physicsClientId': client}),
         ((), {'lightPosition': tuple(-100 * axis for axis in SUN.direction),
               'shadowMapWorldSize': 14, 'shadowMapResolution': 4096,
-              'physicsClientId': client})]
+              'physicsClientId': client}),
+        ((pybullet.COV_ENABLE_RENDERING, 0), {'physicsClientId': client}),
+        ((pybullet.COV_ENABLE_RENDERING, 1), {'physicsClientId': client})]
     factor = 1.25 * np.tan(np.radians(FIELD_OF_VIEW / 2))
     assert seen['camera'] == {
         'cameraDistance': pytest.approx(12.0 * factor), 'cameraYaw': -90.0,
