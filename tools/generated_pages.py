@@ -22,9 +22,9 @@ from img_recog.camera.usb_cam_settings import UsbCamSettings, ControlSettings
 from img_recog.conversions.compressed_image_msgs import CompressionSettings
 from img_recog.formats import reader, schema
 from img_recog.nodes.color_extract.color_extract_node import InputSettings
-from img_recog.nodes.gazebo.lockstep_settings import LockstepSettings
+from img_recog.nodes.gazebo.lockstep import LockstepSettings
+from img_recog.nodes.gazebo.physics_services import SteppingSettings
 from img_recog.nodes.gazebo.robot_reader import RobotsSettings, robot_settings_classes
-from img_recog.nodes.gazebo.stepping import SteppingSettings
 from img_recog.nodes.robots.robot_list import NodeSettings
 from img_recog.nodes.robots.robots_node import ManagerSettings
 from img_recog.nodes.web.web_settings import WebSettings

@@ -17,7 +17,7 @@ from img_recog_helpers.waiting import DEADLINE_S, wait_for
 
 # what these warn of, each test notices by itself if it matters: images or messages are missing
 _OF_A_BUSY_MACHINE = ('this machine is too slow', 'the simulation waits for images',
-                      'waits for: the process that draws',
+                      'waiting for the process that draws',
                       # rospy's, of a client that has ended
                       'Inbound TCP/IP connection failed')
 _POLL_S = 0.02

@@ -58,8 +58,7 @@ def test_the_paths_of_two_robots_do_not_depend_on_who_answers_first(ros):
 def test_what_does_not_answer_or_answers_twice_is_named_once(simulate, ros):
     node = simulate(*CAMERA, '_lockstep:=cmd_vel /other', '_lockstep_timeout:=0.5')
     process, clock = driver(ros, count=2), Echo(ros, '/clock')
-    node.wait_output('lockstep: simulated time stands at 0.000 s and waits for: a publisher of '
-                     '/other')
+    node.wait_output('simulation paused: waiting for a publisher of /other')
     assert {row[0] for row in clock.rows} <= {0}
     other = ros.start('rostopic', 'pub', '/other', 'std_msgs/Header', '{}')
     node.wait_output(r'no answer in 0.5 s to what was measured at 0.033 s: the last message on '

@@ -50,12 +50,12 @@ def robots(camera):
         (folder / 'video.mp4').write_bytes(b'')
         path = folder / 'robots.yaml'
         path.write_text('- {{name: a, camera: {}, {}: {}}}\n'.format(camera, name, value))
-        given, = robot_list.read_robots(str(path), {}, str).problems or ['']
+        given = robot_list.read_robots(str(path), {}, str).problems
         try:
             robot_list.read_robots('2', {'camera': camera, name: value}, str)
             assert not given
         except UserError as error:
-            assert str(given) == 'a: ' + one_line(error)
+            assert given == {'a': one_line(error)}
             raise
     return read
 

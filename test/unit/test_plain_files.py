@@ -70,7 +70,7 @@ def robots(folder, key):
     listed = robot_list.read_robots(
         written(folder, 'robots.yaml', '[{{name: a, {}: {}}}]'.format(key, pipe(folder, 'p'))),
         {}, lambda uri: None)
-    (_, reason), = listed.problems
+    reason, = listed.problems.values()
     raise UserError(reason)
 
 

@@ -47,7 +47,8 @@ class CompressedImages:
         self._warn = ThrottledWarning()
         self.sent, self.dropped = EventCounter(), EventCounter()
         self._publisher = publisher(name, CompressedImage, 1, redelivery)
-        self._is_kept, self._was_wanted = redelivery is not None, False
+        self._is_kept = redelivery is not None
+        self._was_wanted = threading.Event()    # set by any thread, and never cleared
         self._parameters = Reconfigurable(settings, lambda _: None, name)
         self._worker = threading.Thread(target=self._work, daemon=True)
         self._worker.start()
@@ -55,8 +56,9 @@ class CompressedImages:
     def is_wanted(self) -> bool:
         """Return whether there is a subscriber, or was one that may come back."""
         is_wanted = self._publisher.get_num_connections() > 0
-        self._was_wanted |= is_wanted
-        return is_wanted or (self._is_kept and self._was_wanted)
+        if is_wanted:
+            self._was_wanted.set()
+        return is_wanted or (self._is_kept and self._was_wanted.is_set())
 
     def publish(self, image: np.ndarray, encoding: str, header: Header) -> None:
         """Send the image if there is a subscriber; return immediately.

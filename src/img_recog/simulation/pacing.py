@@ -1,7 +1,7 @@
-"""How fast simulated time passes: pauses, pacing by real time, and the measured factor."""
+"""How fast simulated time passes: pacing by real time, and the measured factor."""
 import math
 import time
-from typing import Callable, Optional
+from typing import Optional
 
 _MAX_DELAY_S = 0.5          # of wall time: a longer delay is not caught up with
 _MEASURING_PERIOD_S = 1.0
@@ -15,14 +15,16 @@ _WORSE = 0.5
 class Pace:
     """Computes how long to wait between two pieces of simulated time, and measures how it passes.
 
-    is_paused: whether no time is to be simulated; wanted: simulated seconds per second of wall
-    time, 0 for as fast as possible; measured: the same as it was last, 0 before the first second.
+    All methods are for the thread that simulates, which alone sets the attributes.
+
+    Attributes:
+        wanted: Simulated seconds per second of wall time, 0 for as fast as possible.
+        measured: The same as it was last, 0 before the first second.
     """
 
-    def __init__(self, real_time_factor: float, now: Callable[[], float] = time.monotonic):
-        self.is_paused, self.measured = False, 0.0
-        self._now = now
-        self._since_s, self._simulated_s = now(), 0.0
+    def __init__(self, real_time_factor: float):
+        self.measured = 0.0
+        self._since_s, self._simulated_s = time.monotonic(), 0.0
         self._row = 0       # measurements in a row that were too slow; negative: that were not
         self._reported_s, self._reported = -math.inf, math.inf
         self.set_wanted(real_time_factor)
@@ -32,17 +34,9 @@ class Pace:
         self.wanted = real_time_factor
         self.restart()
 
-    def pause(self) -> None:
-        """Simulate nothing until `unpause`."""
-        self.is_paused = True
-
-    def unpause(self) -> None:
-        """Simulate again."""
-        self.is_paused = False
-
     def restart(self) -> None:
         """Start from now, as after a pause: the time until now is not caught up with."""
-        self._due_s = self._now()
+        self._due_s = time.monotonic()
         self.disturb()
 
     def disturb(self) -> None:
@@ -54,19 +48,19 @@ class Pace:
         if self.wanted == 0:
             return 0.0
         self._due_s += simulated_s / self.wanted
-        delay_s = self._due_s - self._now()
+        delay_s = self._due_s - time.monotonic()
         if delay_s < -_MAX_DELAY_S:
-            self._due_s = self._now()
+            self._due_s = time.monotonic()
         return max(0.0, delay_s)
 
     def measure(self, simulated_s: float) -> Optional[float]:
         """Count simulated time; return the factor once a second, else None."""
         self._simulated_s += simulated_s
-        passed_s = self._now() - self._since_s
+        passed_s = time.monotonic() - self._since_s
         if passed_s < _MEASURING_PERIOD_S:
             return None
         self.measured = self._simulated_s / passed_s
-        self._since_s, self._simulated_s = self._now(), 0.0
+        self._since_s, self._simulated_s = time.monotonic(), 0.0
         is_slow = self.measured < _MIN_SHARE * self.wanted and not self._is_disturbed
         self._row = max(0, self._row) + 1 if is_slow else (
             0 if self._is_disturbed else min(0, self._row) - 1)
@@ -78,7 +72,7 @@ class Pace:
 
         It is too slow at first, when it gets worse, and rarely.
         """
-        now_s = self._now()
+        now_s = time.monotonic()
         if self._row >= _SLOW_COUNT and (now_s >= self._reported_s + _REPORT_PERIOD_S
                                          or self.measured <= _WORSE * self._reported):
             self._reported_s, self._reported = now_s, self.measured

@@ -45,6 +45,7 @@ class CameraTopics:
         self._lock, self._is_closed = threading.Lock(), False
         self._is_kept = redelivery is not None
         self._used: Set[Any] = set()        # the publishers that had a subscriber
+        self._used_lock = threading.Lock()  # of _used: the loop and the thread that publishes
         self._drawn = DrawnCamera(settings)
         # so that the noise of two cameras is not the same
         self._own_number = zlib.crc32(settings.camera_image_topic.encode())
@@ -69,10 +70,11 @@ class CameraTopics:
             self._images, self._depths, self._points, *self._infos)
 
     def _is_used(self, *publishers: Any) -> bool:
-        used = {each for each in publishers if each is not None and (
-            each in self._used or each.get_num_connections() > 0)}
-        if self._is_kept:
-            self._used |= used
+        with self._used_lock:
+            used = {each for each in publishers if each is not None and (
+                each in self._used or each.get_num_connections() > 0)}
+            if self._is_kept:
+                self._used |= used
         return bool(used)
 
     def shot(self, exposure: Exposure) -> Shot:
@@ -129,9 +131,8 @@ class CameraTopics:
         """End the topics."""
         with self._lock:
             self._is_closed = True
-        self._images.unregister()
         self._compressed.close()
-        for each in (self._depths, self._points, *self._infos):
+        for each in (self._images, self._depths, self._points, *self._infos):
             if each is not None:
                 each.unregister()
 

@@ -32,38 +32,41 @@ Reads: robot_description, NAME/robot_description, NAME/tf_prefix, ~robots, and t
 settings of the simulation as private parameters.
 """
 import time
-from typing import Sequence, Union
+from functools import partial
+from typing import Callable, Optional
 
 import cv2
 import rospy
 from diagnostic_updater import DiagnosticStatusWrapper
+from visualization_msgs.msg import MarkerArray
 
+from img_recog.conversions import plane_msgs, robot_msgs
 from img_recog.conversions.plane_msgs import PlanePose
 from img_recog.loading import assemble
 from img_recog.nodes.gazebo import model_services
 from img_recog.nodes.gazebo.clock import SimulatedClock
 from img_recog.nodes.gazebo.images import Images
-from img_recog.nodes.gazebo.link_services import LinkServices
-from img_recog.nodes.gazebo.lockstep import Lockstep
-from img_recog.nodes.gazebo.lockstep_settings import LockstepSettings
+from img_recog.nodes.gazebo.lockstep import Lockstep, LockstepSettings
 from img_recog.nodes.gazebo.model_services import ModelServices
 from img_recog.nodes.gazebo.model_topics import WORLD_FRAME, WorldTopics
-from img_recog.nodes.gazebo.outlines import Outlines
-from img_recog.nodes.gazebo.physics_services import RuntimeSettings, ServiceCalls, serve_physics
+from img_recog.nodes.gazebo.physics_services import (RuntimeSettings, ServiceCalls,
+                                                     SteppingSettings, serve_physics, serve_step)
 from img_recog.nodes.gazebo.robot_reader import (ROBOTS, RobotReader, RobotsSettings,
                                                  robot_settings_classes)
 from img_recog.nodes.gazebo.robot_updates import RobotUpdates
 from img_recog.nodes.gazebo.simulation_diagnostics import SimulationDiagnostics
-from img_recog.nodes.gazebo.stepping import Stepping, SteppingSettings
+from img_recog.nodes.gazebo.time_gate import Mode, TimeGate, Wait
 from img_recog.nodes.gazebo.transforms import StaticTransforms
-from img_recog.nodes.gazebo.waiting import Waiting
 from img_recog.ros import lifecycle, parameters
 from img_recog.ros.diagnostics import NodeDiagnostics
 from img_recog.ros.reconfigure import Reconfigurable
 from img_recog.simulation.models import Models
 from img_recog.simulation.pacing import Pace, timeout_scale
+from img_recog.simulation.physics.footprints import footprints
 from img_recog.simulation.simulation_settings import PhysicsSettings, ViewSettings, whole_steps
 
+_SETTINGS = (PhysicsSettings, ViewSettings, RobotsSettings, LockstepSettings, SteppingSettings,
+             *robot_settings_classes())
 _POLL_PERIOD_S = 0.1
 # Of simulated time, between two looks at commands and services; it takes about 1 ms. After the
 # physics, no code for messages is in the processor's cache: it gets there once in a round.
@@ -82,9 +85,7 @@ class Gazebo:
         # in lockstep, nothing is to be looked at before the next answers
         round_s = _LOCKSTEP_ROUND_S if lockstep.topics else _FREE_RUN_ROUND_S
         self._free_run_periods = max(1, round(round_s / physics.clock_period_s))
-        parameters.warn_of_unknown(PhysicsSettings, ViewSettings, RobotsSettings,
-                                   LockstepSettings, SteppingSettings,
-                                   *robot_settings_classes(), also_known=[ROBOTS[1:]])
+        parameters.warn_of_unknown(*_SETTINGS, also_known=[ROBOTS[1:]])
         reader = RobotReader(physics.step_s)
         single = None if which.several_robots else reader.single()
         self._simulator = assemble.simulator(physics, [] if single is None else [single],
@@ -94,22 +95,22 @@ class Gazebo:
             rospy.logwarn('%s', line)
         report.listen(lambda line: rospy.logwarn('%s', line))
         self._pace = Pace(physics.real_time_factor)
-        if stepping.paused:
-            self._pace.pause()
         self._clock = SimulatedClock(self._simulator, self._pace)
         self._calls = ServiceCalls()
+        self._gate = TimeGate(Mode.PAUSED if stepping.paused else Mode.RUNNING, self._calls.wake,
+                              lockstep.lockstep_timeout if lockstep.topics else None)
         serve_physics(self._calls, {
-            'pause_physics': self._pace.pause, 'unpause_physics': self._pace.unpause,
-            'reset_world': self._reset_world, 'reset_simulation': self._reset_simulation})
-        self._lockstep = Lockstep(lockstep, self._calls.wake) if lockstep.topics else None
+            'pause_physics': partial(self._gate.change, 'pause'),
+            'unpause_physics': partial(self._gate.change, 'unpause'),
+            'reset_world': partial(self._reset, self._simulator.reset_world),
+            'reset_simulation': self._reset_simulation})
+        self._lockstep = Lockstep(lockstep, self._gate, self._simulator)
         statics, models = StaticTransforms(), Models(self._simulator)
-        self._images = Images(self._simulator, view, statics, lockstep=self._lockstep,
-                              wake=self._calls.wake)
+        self._images = Images(self._simulator, view, statics, self._gate, self._calls.wake,
+                              self._lockstep.redelivery)
         self._topics = WorldTopics(self._simulator, models, self._images, statics, self._calls,
                                    which.world_tf, self._lockstep)
-        if self._lockstep is None:      # else commands come in simulated time
-            self._topics.scale_timeouts(timeout_scale(physics.real_time_factor))
-        self._waiting = Waiting(self._simulator, self._images, self._topics, self._lockstep)
+        self._scale_timeouts()
         frame, origin = WORLD_FRAME, PlanePose(0.0, 0.0, 0.0)
         of_world = self._simulator.models
         if single is None:
@@ -119,27 +120,26 @@ class Gazebo:
             of_world.remove(robot)
             self._topics.connect(robot)
             frame, origin = robot.odometry.odom_frame, PlanePose(*robot.odometry_origin)
-            if self._lockstep is not None:
-                self._lockstep.check(robot.mounted.kinds)
+            self._lockstep.check(robot.mounted.kinds)
         for model in of_world:
             self._topics.connect_of_file(model)
-        if self._lockstep is not None:
-            self._lockstep.subscribe()
+        self._lockstep.subscribe()
         self._reconfigurable = Reconfigurable(
             RuntimeSettings(physics.real_time_factor, view.view),
             lambda settings: self._calls.call(lambda: self._configure(settings)))
-        self._states: Sequence[Union[ModelServices, LinkServices]] = ()
+        self._services: Optional[ModelServices] = None
         if model_services.MISSING:
             rospy.loginfo('model_states and the services of models are not offered, because %s',
                           model_services.MISSING)
         else:
-            self._states = (
-                ModelServices(self._simulator, models, self._topics, reader, self._calls,
-                              self._pace, lambda factor: self._reconfigurable.
-                              update_configuration({'real_time_factor': factor})),
-                LinkServices(self._simulator, models, self._calls))
-        self._outlines = Outlines(self._simulator, frame, origin)
-        self._diagnostics = SimulationDiagnostics(self._pace, self._calls)
+            self._services = ModelServices(
+                self._simulator, models, self._topics, reader, self._calls, self._pace, self._gate,
+                lambda factor: self._reconfigurable.update_configuration(
+                    {'real_time_factor': factor}))
+        self._outlines = rospy.Publisher('~world_outlines', MarkerArray, queue_size=1, latch=True)
+        self._outlines_frame = frame, origin
+        self._publish_outlines()
+        self._diagnostics = SimulationDiagnostics(self._pace, self._gate, self._calls)
         self._topics.use_diagnostics(NodeDiagnostics('simulation', 'none', self._report))
         if single is None:
             rospy.loginfo('simulating %d robots in world %s', len(self._simulator.robots),
@@ -149,32 +149,46 @@ class Gazebo:
                           robot.body.mass(), robot.body.root, physics.world)
             self._topics.log_start(robot)
         # last: who finds ~step takes it that all topics are there, like img_recog.testing
-        self._stepping = Stepping(self._calls, self._simulator, self._pace)
+        serve_step(self._calls, self._simulator, self._gate)
 
     def spin(self) -> None:
         """Simulate until the node is shut down."""
         try:
             while not rospy.is_shutdown():
                 self._show()
-                end = self._stepping.end
-                is_paused = self._pace.is_paused and end is None
-                if is_paused or self._waiting.must_stand():
-                    self._calls.process(_POLL_PERIOD_S)
-                    if self._pace.is_paused or self._images.is_loading():
-                        self._pace.restart()
-                    if is_paused:
-                        self._waiting.restart()
-                    self._clock.count(0.0)
-                elif end is None or self._simulator.steps < end:
-                    simulated_s = self._advance(1 if self._pace.wanted else self._free_run_periods)
-                    self._clock.count(simulated_s)
-                    self._wait(self._pace.delay_s(simulated_s))
-                elif self._images.is_complete():
-                    self._stepping.finish()
-                else:
-                    self._calls.process(_POLL_PERIOD_S)
+                self._run_once()
         finally:        # publishing fails if a topic is closed meanwhile
+            self._gate.change('shut_down')
             self._images.close()
+
+    def _run_once(self) -> None:
+        """Let some time pass, if it may; otherwise process service calls."""
+        if self._gate.mode is not Mode.PAUSED:
+            self._look()
+        steps = self._simulator.steps
+        if self._gate.may_pass(steps):
+            simulated_s = self._advance(1 if self._pace.wanted else self._free_run_periods)
+            self._clock.count(simulated_s)
+            self._wait(self._pace.delay_s(simulated_s))
+        elif self._gate.is_step_over(steps) and self._images.is_complete():
+            self._gate.change('end_step')
+        else:
+            self._stand()
+
+    def _look(self) -> None:
+        """Tell the gate of what can only be asked for."""
+        self._images.look()
+        if self._lockstep.look():
+            self._images.enable_cameras()
+            self._lockstep.look_for_sensor()
+
+    def _stand(self) -> None:
+        """Process service calls while no time passes."""
+        self._gate.report(self._simulator.time_s)
+        self._calls.process(_POLL_PERIOD_S)
+        if self._gate.is_paused or self._gate.awaited(Wait.LOADING):
+            self._pace.restart()
+        self._clock.count(0.0)
 
     def _advance(self, periods: int) -> float:
         """Simulate some clock periods and publish what the sensors measured in them.
@@ -182,26 +196,25 @@ class Gazebo:
         Returns the simulated time in s: less if a step by hand or the wait for others begins.
         """
         begin_s, begin = time.perf_counter(), self._simulator.steps
-        if self._waiting.take_commands():
+        if self._lockstep.take_due(self._topics.discard_commands):
             self._topics.apply_commands()
         self._topics.disable_unused()
         self._images.enable_cameras()
-        end = (begin // self._clock_steps + periods) * self._clock_steps
-        if self._stepping.end is not None:
-            end = min(end, self._stepping.end)
-        end = self._waiting.end_of(end)
+        end = self._lockstep.end_of(self._gate.end_of(
+            (begin // self._clock_steps + periods) * self._clock_steps))
         readings = []
         while self._simulator.steps < end:
             steps = self._simulator.steps
             readings += self._simulator.advance(
                 min(self._clock_steps - steps % self._clock_steps, end - steps))
             self._clock.add()
-            for states in self._states:
-                states.update()
-        self._waiting.finish()
+            if self._services is not None:
+                self._services.update()
+        if self._lockstep.is_on:
+            self._images.wait_complete()
         # the clock first, so that no reading is stamped in the future
         self._clock.flush()
-        self._waiting.expect(readings)
+        self._lockstep.expect(readings, self._topics.namespaces)
         self._images.draw(readings, lambda: self._topics.publish(readings))
         self._diagnostics.steps.add(
             (time.perf_counter() - begin_s) * self._clock_steps / (end - begin))
@@ -221,9 +234,15 @@ class Gazebo:
         """Show what was added or rearranged; draw the view and the window, if they are due."""
         if self._images.update_scene():
             self._pace.disturb()
-            self._outlines.publish()
+            self._publish_outlines()
         self._images.update_view()
         self._images.update_window()
+
+    def _publish_outlines(self) -> None:
+        frame, origin = self._outlines_frame
+        self._outlines.publish(plane_msgs.outlines_to_msg(
+            footprints(self._simulator.world), origin, frame,
+            robot_msgs.stamp_of(self._simulator.time_s)))
 
     def _report(self, status: DiagnosticStatusWrapper) -> None:
         """Fill in the status of /diagnostics; runs in its thread and only reads."""
@@ -237,17 +256,20 @@ class Gazebo:
         factor = settings.real_time_factor
         if factor != self._pace.wanted:
             self._pace.set_wanted(factor)
-            if self._lockstep is None:      # else commands come in simulated time
-                self._topics.scale_timeouts(timeout_scale(factor))
+            self._scale_timeouts()
 
-    def _reset_world(self) -> None:
-        self._waiting.discard_commands()
-        self._simulator.reset_world()
+    def _scale_timeouts(self) -> None:
+        if not self._lockstep.is_on:        # else commands come in simulated time
+            self._topics.scale_timeouts(timeout_scale(self._pace.wanted))
+
+    def _reset(self, reset: Callable[[], None]) -> None:
+        self._topics.discard_commands()
+        self._lockstep.notify_reset()
+        reset()
 
     def _reset_simulation(self) -> None:
-        self._waiting.discard_commands()
-        self._simulator.reset_simulation()
-        self._stepping.finish()
+        self._reset(self._simulator.reset_simulation)
+        self._gate.change('end_step')
         # at once: while the physics is paused, no step publishes it
         self._clock.add()
         self._clock.flush()
@@ -259,5 +281,4 @@ def main() -> int:
     cv2.setNumThreads(1)
     return lifecycle.run(
         'gazebo', lambda: Gazebo().spin(),
-        {'~': (PhysicsSettings, ViewSettings, RobotsSettings, LockstepSettings, SteppingSettings,
-               *robot_settings_classes())}, source_of_time=True)
+        {'~': _SETTINGS}, source_of_time=True)

@@ -1,4 +1,5 @@
 """The process that draws images, and a thread that waits for them."""
+import enum
 import math
 import multiprocessing
 import threading
@@ -29,6 +30,16 @@ _FIRST_SHOT = Shot(Camera(16, 16, 1.0), np.eye(4), depth=True)
 Publish = Callable[[List[Picture]], None]
 
 
+class _State(enum.Enum):
+    """What the process does."""
+
+    NOT_STARTED = 'it does not run'
+    LOADING = 'it loads the first scene'
+    READY = 'it waits for a request'
+    BUSY = 'it draws, or loads another scene'
+    ENDED = 'it does not run, and is not started again'
+
+
 class ImageProcess:
     """Draws one request at a time in a process, and publishes its pictures in a thread.
 
@@ -49,8 +60,9 @@ class ImageProcess:
         self._helper: Optional[HelperProcess] = None
         self._memory = np.empty((server.SLOTS, 0), np.uint8)
         self._thread: Optional[threading.Thread] = None
+        # its lock is that of all attributes that change, except for those of _run alone
         self._condition = threading.Condition()
-        self._is_ready = self._is_busy = self._has_ended = self._is_scene_new = False
+        self._state, self._is_scene_new = _State.NOT_STARTED, False
         self._request, self._requested_s = Request([], poses), 0.0
         self._lost: Optional[Tuple[Request, Publish]] = None
         self._publish: Optional[Publish] = None
@@ -62,21 +74,25 @@ class ImageProcess:
     @property
     def is_ready(self) -> bool:
         """Whether it can draw; False until the scene is loaded, and after an error."""
-        return self._is_ready and not self._has_ended
+        return self._is_in(_State.READY, _State.BUSY)
 
     @property
     def is_busy(self) -> bool:
-        """Whether a request is being drawn."""
-        return self._is_busy
+        """Whether a request is being drawn, or a scene loaded."""
+        return self._is_in(_State.LOADING, _State.BUSY)
 
     @property
     def is_loading(self) -> bool:
         """Whether it cannot draw yet."""
-        return not (self._is_ready or self._has_ended)
+        return self._is_in(_State.NOT_STARTED, _State.LOADING)
+
+    def _is_in(self, *states: _State) -> bool:
+        with self._condition:
+            return self._state in states
 
     def start(self) -> None:
         """Start the process, which loads the scene; no effect if it is started."""
-        if self._helper is not None or self._has_ended:
+        if not self._is_in(_State.NOT_STARTED):
             return
         try:
             memory = multiprocessing.get_context('spawn').RawArray(
@@ -90,7 +106,7 @@ class ImageProcess:
             self._helper = helper
             self._memory = np.frombuffer(memory, np.uint8).reshape(server.SLOTS, -1)
             self._is_scene_new = True
-            self._send(helper, Request([_FIRST_SHOT], self._poses))
+            self._send(helper, Request([_FIRST_SHOT], self._poses), state=_State.LOADING)
         self._thread = threading.Thread(target=self._run, args=(helper,), name='drawing',
                                         daemon=True)
         self._thread.start()
@@ -106,7 +122,7 @@ class ImageProcess:
         """
         with self._condition:
             self._scene, self._poses, self._is_scene_new = scene, poses, True
-            if self.is_ready and not self._is_busy and self._helper is not None:
+            if self._state is _State.READY and self._helper is not None:
                 self._send(self._helper, Request([], poses))
 
     def set_cameras(self, cameras: Sequence[Camera]) -> None:
@@ -117,15 +133,17 @@ class ImageProcess:
         with self._condition:
             self._cameras = cameras
             if self._helper is not None and self._memory_size() > self._memory.shape[1]:
-                if self._is_ready:
+                if self.is_ready:
                     self._wait_idle()
                 self._drop()
 
     def _drop(self) -> None:
         """Use another process from the next `start` on; the thread of this one ends it."""
-        if self._is_busy and self._publish is not None and self._lost is None:
+        if self.is_busy and self._publish is not None and self._lost is None:
             self._lost = self._request, self._publish
-        self._helper, self._is_ready, self._is_busy = None, False, False
+        self._helper = None
+        if self._state is not _State.ENDED:
+            self._state = _State.NOT_STARTED
 
     def draw(self, shots: Sequence[Shot], poses: np.ndarray, publish: Publish) -> None:
         """Draw all parts at `poses` (n, 7); waits until the pictures before are drawn.
@@ -140,7 +158,8 @@ class ImageProcess:
     @property
     def has_lost(self) -> bool:
         """Whether the last request of `draw` was lost with a process."""
-        return self._lost is not None
+        with self._condition:
+            return self._lost is not None
 
     def draw_again(self) -> None:
         """Draw what was lost."""
@@ -150,39 +169,41 @@ class ImageProcess:
                 self._lost = None
                 self._send(self._helper, request, publish)
 
-    def _send(self, helper: HelperProcess, request: Request,
-              publish: Optional[Publish] = None) -> None:
+    def _send(self, helper: HelperProcess, request: Request, publish: Optional[Publish] = None,
+              state: _State = _State.BUSY) -> None:
         scene = self._scene if self._is_scene_new else None
         self._is_scene_new = False
         # of two slots, the other one may still be published
         self._request = request._replace(slot=1 - self._request.slot, scene=scene)
-        self._publish, self._requested_s, self._is_busy = publish, time.monotonic(), True
+        self._publish, self._requested_s, self._state = publish, time.monotonic(), state
         helper.send(self._request)      # if the process has ended, the thread notices
 
     def _wait_idle(self) -> bool:
         """Wait until nothing is drawn; return whether there may be a next request."""
         begin_s, warn_after_s = time.monotonic(), _WARN_AFTER_S
-        while self._is_busy and not rospy.is_shutdown():
+        while self.is_busy and not rospy.is_shutdown():
             self._condition.wait(_POLL_PERIOD_S)
             waited_s = time.monotonic() - begin_s
-            if self._is_busy and waited_s > warn_after_s:
+            if self.is_busy and waited_s > warn_after_s:
                 warn_after_s = math.inf
                 rospy.logwarn('the simulation waits for images: the process that draws has not '
                               'answered for %.0f s; it is replaced after %.0f s', waited_s,
                               _MAX_WAIT_S)
-        return not self._has_ended and not rospy.is_shutdown()
+        return self._state is not _State.ENDED and not rospy.is_shutdown()
 
     def report(self, status: DiagnosticStatusWrapper) -> None:
         """Add to a status what was drawn; to be called once in each period."""
         add_counter(status, 'images', self._images)
         add_durations(status, 'drawing', self._durations)
-        if self._problem:
-            status.mergeSummary(DiagnosticStatus.WARN, 'no more images: ' + self._problem)
+        with self._condition:
+            problem = self._problem
+        if problem:
+            status.mergeSummary(DiagnosticStatus.WARN, 'no more images: ' + problem)
 
     def close(self) -> None:
         """End the process."""
         with self._condition:
-            self._has_ended = True
+            self._state = _State.ENDED
             self._condition.notify_all()
         if self._thread is not None:
             self._thread.join()
@@ -206,7 +227,8 @@ class ImageProcess:
                     self._condition.notify_all()
 
     def _is_used(self, helper: HelperProcess) -> bool:
-        return not self._has_ended and self._helper is helper
+        with self._condition:
+            return self._state is not _State.ENDED and self._helper is helper
 
     def _receive(self, helper: HelperProcess) -> Optional[Answer]:
         """Return the next answer of a process, None if it is not used any more or has ended."""
@@ -214,7 +236,9 @@ class ImageProcess:
             while self._is_used(helper):
                 if helper.connection.poll(_POLL_PERIOD_S):
                     return helper.connection.recv()
-                if self._is_busy and time.monotonic() - self._requested_s > _MAX_WAIT_S:
+                with self._condition:
+                    waited_s = time.monotonic() - self._requested_s
+                if self.is_busy and waited_s > _MAX_WAIT_S:
                     helper.kill()       # a defect of a driver, for example
         except (EOFError, OSError):
             if self._is_used(helper):
@@ -230,7 +254,9 @@ class ImageProcess:
             self._give_up(problem)
 
     def _give_up(self, problem: str) -> None:
-        self._has_ended, self._problem = True, problem
+        with self._condition:
+            self._state, self._problem = _State.ENDED, problem
+            self._condition.notify_all()
         rospy.logwarn('no more images: %s; the simulation goes on without them', problem)
 
     def _take(self, helper: HelperProcess, answer: Answer) -> None:
@@ -245,7 +271,7 @@ class ImageProcess:
             request, publish = self._request, self._publish
             pictures = server.pictures(self._memory[request.slot], request.shots)
             duration_s = time.monotonic() - self._requested_s
-            self._is_ready, self._is_busy = True, False
+            self._state = _State.READY
             self._condition.notify_all()
         if publish is not None:
             self._durations.add(duration_s)

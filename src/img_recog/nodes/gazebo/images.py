@@ -1,33 +1,93 @@
 """All images of the node: of the cameras on robots, of the view, and of the window."""
+import dataclasses
 import itertools
+import math
 import threading
+import time
 from typing import Callable, Dict, List, Optional, Sequence, Tuple, Union
 
 import numpy as np
 import rospy
 from diagnostic_updater import DiagnosticStatusWrapper
+from std_msgs.msg import Header
 
+from img_recog.conversions import robot_msgs
 from img_recog.errors import UserError
 from img_recog.nodes.gazebo.camera_topics import CameraTopics, optical_transform
 from img_recog.nodes.gazebo.image_process import ImageProcess
-from img_recog.nodes.gazebo.lockstep import Lockstep
+from img_recog.nodes.gazebo.time_gate import TimeGate, Wait
 from img_recog.nodes.gazebo.transforms import StaticTransforms
-from img_recog.nodes.gazebo.view_topic import ViewTopic
+from img_recog.rendering.camera import Camera
 from img_recog.rendering.server import Picture, Shot
-from img_recog.simulation.simulated_model import MountedSensors, Reading
-from img_recog.simulation.pictures.view import above
+from img_recog.ros.transport.image_publisher import ImagePublisher
+from img_recog.ros.transport.redelivery import Redelivery
+from img_recog.simulation.pictures.view import (above, ceiling, follow, horizontal_fov,
+                                                near_and_far)
 from img_recog.simulation.pictures.visual_scene import Parts
 from img_recog.simulation.pictures.window import Window, poses_of, scene_of
 from img_recog.simulation.sensors import robot_camera
+from img_recog.simulation.simulated_model import MountedSensors, Reading
 from img_recog.simulation.simulation_settings import CameraSettings, ViewSettings
 from img_recog.simulation.simulator import Simulator
 
 # Where OpenGL runs on the processor, the physics comes first; in lockstep, it waits.
 _NICENESS = 5
+_POLL_PERIOD_S = 0.1
+_VIEW_FRAME = 'view'            # not a frame of tf: the camera is not part of the robot
+
+
+class ViewTopic:
+    """Publishes ~view/image_raw (sensor_msgs/Image, rgb8) while it has a subscriber."""
+
+    def __init__(self, settings: ViewSettings, simulator: Simulator):
+        """Advertise the topic."""
+        self._settings, self._simulator = settings, simulator
+        self._above = above(simulator.world)
+        width, height = settings.view_width, settings.view_height
+        self.camera = Camera(width, height, horizontal_fov(width, height))
+        self._images = ImagePublisher('~view/image_raw')
+        self._next_s = 0.0
+
+    def configure(self, view: str) -> None:
+        """Show the simulation from another viewpoint, one of VIEWS, from now on."""
+        self._settings = dataclasses.replace(self._settings, view=view)
+        self._next_s = 0.0
+
+    def is_wanted(self) -> bool:
+        """Return whether the topic has a subscriber."""
+        return self._images.get_num_connections() > 0
+
+    def take_due(self) -> bool:
+        """Return whether it is time for an image: once in each period of wall time."""
+        now_s = time.monotonic()
+        if now_s < self._next_s:
+            return False
+        self._next_s = now_s + 1 / self._settings.view_rate
+        return True
+
+    def shot(self) -> Shot:
+        """Return what is to be drawn now."""
+        viewpoint, robots = self._above, self._simulator.robots
+        if self._settings.view == 'follow' and robots:
+            viewpoint = follow(robots[0].body.pose())
+        pose = viewpoint.pose()
+        edges = self.camera.edges
+        near, far = near_and_far(pose, (edges.right, edges.top))
+        roof = ceiling(self._simulator.world, [each.body for each in robots])
+        return Shot(self.camera._replace(near=near, far=far), pose,
+                    ceiling=roof if roof < pose[2, 3] else math.inf)
+
+    def publish(self, picture: Picture, time_s: float) -> None:
+        """Publish what was drawn at a simulated time."""
+        header = Header(stamp=robot_msgs.stamp_of(time_s), frame_id=_VIEW_FRAME)
+        self._images.publish(picture[0], 'rgb8', header)
 
 
 class Images:
     """Draws what the simulation looks like. All methods are for the thread that simulates.
+
+    It tells the gate of simulated time which images are not drawn yet, in lockstep, and whether
+    the world is loaded.
 
     A camera is used while one of its topics has a subscriber. At most one image of the view is
     drawn in each period of wall time, with the next one of a camera if there are such: the
@@ -35,26 +95,37 @@ class Images:
     """
 
     def __init__(self, simulator: Simulator, view: ViewSettings, statics: StaticTransforms,
-                 make_process: Callable[..., ImageProcess] = ImageProcess,
-                 lockstep: Optional[Lockstep] = None, wake: Callable[[], None] = lambda: None):
-        """lockstep: a camera that was used once stays in use then. wake: is called after images
-        of cameras were published.
+                 gate: TimeGate, wake: Callable[[], None],
+                 redelivery: Optional[Redelivery] = None):
+        """Start nothing yet.
+
+        Args:
+            simulator: Simulator.
+            view: Settings of the view and the window.
+            statics: Publisher of the frames of cameras.
+            gate: Gate of simulated time.
+            wake: Function that is called after images of cameras were published.
+            redelivery: Sends the images in lockstep; a camera that was used once then stays in
+                use.
         """
-        self._simulator, self._statics, self._lockstep = simulator, statics, lockstep
-        self._wake, self._skips = wake, view.skip_images and lockstep is None
+        self._simulator, self._statics, self._redelivery = simulator, statics, redelivery
+        self._gate, self._wake = gate, wake
+        self._skips = view.skip_images and redelivery is None
         self._revision = simulator.world.revision
         self._parts = Parts(simulator)
-        self._view = ViewTopic(view, above(simulator.world))
+        self._view = ViewTopic(view, simulator)
+        scene = scene_of(simulator)
         self._window: Optional[Window] = (
-            Window(scene_of(simulator), above(simulator.world)) if view.gui else None)
-        self._process = make_process(self._parts.scene(), self._parts.poses(), [self._view.camera],
-                                     _NICENESS if lockstep is None else 0)
+            Window(scene, above(simulator.world)) if view.gui else None)
+        self._process = ImageProcess(self._parts.scene(), self._parts.poses(), [self._view.camera],
+                                     _NICENESS if redelivery is None else 0)
         # by the names of robot and sensor
         self._cameras: Dict[Tuple[str, str], Tuple[MountedSensors, CameraTopics]] = {}
         self._last_poses, self._last_poses_s = self._parts.poses(), -1.0
         self._is_view_due = False
         self._exposures = 0         # how often cameras have read; those that are read together
-        self._drawn = self._published = 0       # of these, by the thread that publishes
+        self._published = 0         # the last of these, under the lock of _publication
+        self._publication = threading.Condition()
 
     def add_cameras(self, mounted: MountedSensors) -> None:
         """Draw the cameras of a model; publish where those are that its URDF does not have.
@@ -69,7 +140,7 @@ class Images:
             for (sensor, camera), each in zip(mounted.cameras.items(), seen):
                 camera.poses = self._poses
                 self._cameras[mounted.body.name, sensor] = mounted, CameraTopics(
-                    each, self._lockstep.redelivery if self._lockstep else None)
+                    each, self._redelivery)
         except UserError:
             self.remove_cameras(mounted)
             raise
@@ -111,10 +182,11 @@ class Images:
         if self._revision == self._simulator.world.revision:
             return False
         self._revision = self._simulator.world.revision
+        scene = scene_of(self._simulator)
         self._parts.refresh()
         self._process.set_scene(self._parts.scene(), self._parts.poses())
         if self._window is not None:
-            self._window.set_scene(scene_of(self._simulator))
+            self._window.set_scene(scene)
         return True
 
     def enable_cameras(self) -> None:
@@ -126,7 +198,16 @@ class Images:
                 self._process.start()
             mounted.set_enabled(sensor, is_wanted and self._process.is_ready)
 
-    def is_loading(self) -> bool:
+    def look(self) -> None:
+        """Tell the gate whether the world is loaded, and of images that can never be drawn."""
+        if not self._gate.holds(Wait.LOADING):
+            return      # the process is started when an image is wanted
+        self._gate.expect(Wait.LOADING, ['the world'] if self._is_loading() else ())
+        unpublished = self._gate.awaited(Wait.IMAGES)
+        if unpublished and self._cannot_draw():
+            self._gate.end(Wait.IMAGES, *unpublished)
+
+    def _is_loading(self) -> bool:
         """Return whether a camera that is mounted or used cannot be drawn yet; starts to load."""
         if not self._cameras:
             return False
@@ -138,14 +219,23 @@ class Images:
 
         Those that were lost with the process are drawn again.
         """
-        return self._published == self._exposures or self._cannot_draw()
+        with self._publication:
+            is_published = self._published == self._exposures
+        return is_published or self._cannot_draw()
 
-    def are_drawn(self) -> bool:
-        """Return what `is_complete` returns, but already when their publication begins."""
-        return self._drawn == self._exposures or self._cannot_draw()
+    def wait_complete(self) -> None:
+        """Wait until `is_complete`, or a shutdown.
+
+        An image can be answered while the thread that publishes it has not ended yet: it may wait
+        for the processor that the answering node uses.
+        """
+        while not self.is_complete() and not rospy.is_shutdown():
+            with self._publication:
+                self._publication.wait_for(
+                    lambda: self._published == self._exposures, _POLL_PERIOD_S)
 
     def _cannot_draw(self) -> bool:
-        if self._process.has_lost and not self.is_loading():
+        if self._process.has_lost and not self._is_loading():
             self._process.draw_again()
         return not (self._process.is_ready or self._process.is_loading)
 
@@ -161,25 +251,14 @@ class Images:
             # of this one alone: an earlier one may be published while this one waits for it
             others_are_published = threading.Event()
             try:
-                self._expose(exposures[0], others_are_published)
+                self._draw(exposures[0], others_are_published)
                 publish_others()        # while the images are drawn
             finally:
                 others_are_published.set()
         else:
             publish_others()
             for exposed in exposures:
-                self._expose(exposed)
-
-    def _expose(self, readings: Sequence[Reading],
-                others_are_published: Optional[threading.Event] = None) -> None:
-        """Draw what cameras have read at one time; it is published after the others."""
-        if self._skips and self._process.is_busy:
-            return
-        topics = [self._cameras[each.robot, each.sensor][1] for each in readings]
-        shots = [camera.shot(each.value) for camera, each in zip(topics, readings)]
-        self._exposures += 1
-        self._draw(topics, shots, readings[0].value.poses, readings[0].time_s,
-                   others_are_published)
+                self._draw(exposed)
 
     def update_view(self) -> None:
         """Draw the view, if it is time for an image of it and nothing else is drawn."""
@@ -189,7 +268,7 @@ class Images:
         if self._process.is_ready and self._view.take_due():
             self._is_view_due = True
             if self.is_complete() and not self._process.is_busy:
-                self._draw([], [], self._parts.poses(), self._simulator.time_s)
+                self._draw([])
 
     def update_window(self) -> None:
         """Send the poses to the window, if there is one and it needs new ones."""
@@ -200,28 +279,39 @@ class Images:
             rospy.logwarn('no window: %s; the simulation goes on without it', reason)
             self._window = None
 
-    def _draw(self, topics: Sequence[CameraTopics], shots: Sequence[Shot], poses: np.ndarray,
-              time_s: float, others_are_published: Optional[threading.Event] = None) -> None:
-        """Draw what cameras have read, with the view if it is due."""
-        publishers: List[Union[CameraTopics, ViewTopic]] = list(topics)
-        exposures = self._exposures
+    def _draw(self, readings: Sequence[Reading],
+              others_are_published: Optional[threading.Event] = None) -> None:
+        """Draw what cameras have read at one time, or nothing, with the view if it is due."""
+        time_s = readings[0].time_s if readings else self._simulator.time_s
+        if readings:
+            if self._skips and self._process.is_busy:
+                return
+            self._exposures += 1
+            self._gate.expect(Wait.IMAGES, [self._exposures])
+        exposure = self._exposures
+        cameras = [self._cameras[each.robot, each.sensor][1] for each in readings]
+        publishers: List[Union[CameraTopics, ViewTopic]] = list(cameras)
+        shots = [camera.shot(each.value) for camera, each in zip(cameras, readings)]
         if self._is_view_due:
             self._is_view_due = False
-            publishers, shots = [*topics, self._view], [*shots, self._view.shot(self._simulator)]
+            publishers.append(self._view)
+            shots.append(self._view.shot())
 
         def publish(pictures: Sequence[Picture]) -> None:
             if others_are_published is not None:
                 others_are_published.wait()
-            if topics:
-                self._drawn = exposures
-                if self._lockstep is not None:
-                    self._lockstep.notify_sent()
+            if readings:
+                self._gate.notify_sent()
+                self._gate.end(Wait.IMAGES, exposure)
             for each, picture in zip(publishers, pictures):
                 each.publish(picture, time_s)
-            if topics:
-                self._published = exposures
+            if readings:
+                with self._publication:
+                    self._published = exposure
+                    self._publication.notify()
                 self._wake()
-        self._process.draw(shots, poses, publish)
+        self._process.draw(
+            shots, readings[0].value.poses if readings else self._parts.poses(), publish)
 
     def set_view(self, view: str) -> None:
         """Show the view from another viewpoint, one of VIEWS."""

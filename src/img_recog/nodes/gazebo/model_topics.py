@@ -110,7 +110,7 @@ class RobotTopics(ModelTopics):
     _always_read = {'odometry'}         # it is also for tf and the log
 
     def __init__(self, robot: Robot, transforms: Transforms, calls: ServiceCalls,
-                 lockstep: Optional[Lockstep] = None):
+                 lockstep: Lockstep):
         """Advertise and subscribe; transforms: publishes the pose.
 
         lockstep: waits for answers, which commands may be.
@@ -118,7 +118,7 @@ class RobotTopics(ModelTopics):
         mounted, = robot.sensors
         super().__init__(mounted, lockstep)
         self.robot, self._calls, names = robot, calls, self.spec.names
-        self._is_lockstep = lockstep is not None
+        self._is_lockstep = lockstep.is_on
         self._counts = CommandCounts()
         self._motion_state, self._log_throttle = MotionState(), Throttle(_LOG_PERIOD_S)
         self._warn = ThrottledWarning()
@@ -129,17 +129,13 @@ class RobotTopics(ModelTopics):
         self._transform = TransformStamped(child_frame_id=names.frame(robot.odometry.base_frame))
         self._pose_topic = rospy.resolve_name('~' + names.topic('set_pose'))
         self._odom_frame = names.frame(robot.odometry.odom_frame)
-        self._warn_of_pose = ThrottledWarning()
         self._is_closed = False
         command_type = TwistStamped if robot.settings.drive.stamped_commands else Twist
         self._subscribers = [rospy.Subscriber(self._pose_topic, PoseStamped, self._set_pose,
                                               queue_size=1, tcp_nodelay=True)]
         if robot.settings.drive.is_there:
-            self._subscribers.append(
-                lockstep.subscribe_commands(self._command_topic, command_type, self._keep_command)
-                if lockstep is not None else
-                rospy.Subscriber(self._command_topic, command_type, self._keep_command,
-                                 queue_size=10, tcp_nodelay=True))
+            self._subscribers.append(lockstep.subscribe_commands(
+                self._command_topic, command_type, self._keep_command))
 
     def _keep_command(self, msg: Union[Twist, TwistStamped]) -> None:
         try:
@@ -160,7 +156,7 @@ class RobotTopics(ModelTopics):
             pose = plane_msgs.pose_from_msg(msg)
             self._calls.call(lambda: self._move(pose, frame == self._odom_frame))
         except (PoseError, SimulationError) as error:
-            self._warn_of_pose('ignored a message on %s: %s', self._pose_topic, error)
+            self._warn('ignored a message on %s: %s', self._pose_topic, error)
 
     def _move(self, pose: PlanePose, is_in_odometry: bool) -> None:
         if not self._is_closed:
@@ -236,7 +232,7 @@ class WorldTopics:
 
     def __init__(self, simulator: Simulator, models: Models, images: Images,
                  statics: StaticTransforms, calls: ServiceCalls, world_tf: bool,
-                 lockstep: Optional[Lockstep] = None):
+                 lockstep: Lockstep):
         self._simulator, self._models, self._images = simulator, models, images
         self._statics, self._calls, self._world_tf = statics, calls, world_tf
         self._lockstep = lockstep
@@ -336,7 +332,7 @@ class WorldTopics:
                 namespace = topics.spec.names.namespace
                 if self._diagnostics is not None and namespace:
                     self._diagnostics.remove(mounted.body.name)
-                if self._lockstep is not None and namespace:
+                if namespace:
                     self._lockstep.forget(namespace)
                 self._statics.remove('world of ' + mounted.body.name)
                 rospy.loginfo('%s was removed', topics.spec.names.words)

@@ -1,19 +1,24 @@
-"""What changes the physics while it runs: services, parameters, and the queue of all calls."""
+"""What changes the physics and its time while it runs: services, and the queue of all calls."""
+from concurrent.futures import Future
 from concurrent.futures import TimeoutError as CallTimeoutError
 from dataclasses import dataclass
 from functools import partial
 from typing import Any, Callable, Mapping
 
 import rospy
-from std_srvs.srv import Empty, EmptyResponse
+from std_srvs.srv import Empty, EmptyResponse, Trigger, TriggerRequest, TriggerResponse
 
-from img_recog.errors import SimulationError
+from img_recog.errors import SimulationError, UserError, one_line
+from img_recog.nodes.gazebo.time_gate import Mode, TimeGate
+from img_recog.ros import parameters
 from img_recog.ros.diagnostics import EventCounter
 from img_recog.ros.queues import CallQueue
-from img_recog.settings import Settings, one_of, setting
-from img_recog.simulation.simulation_settings import REAL_TIME_FACTORS, VIEWS
+from img_recog.settings import Settings, between, nearest_period, one_of, setting
+from img_recog.simulation.simulation_settings import REAL_TIME_FACTORS, VIEWS, whole_steps
+from img_recog.simulation.simulator import Simulator
 
 _TIMEOUT_S = 5.0
+_CAMERA_RATE_HZ = 30.0
 
 
 @dataclass(frozen=True)
@@ -23,6 +28,16 @@ class RuntimeSettings(Settings):
     real_time_factor: float = setting(
         1.0, REAL_TIME_FACTORS, 'simulated seconds per second of wall time; 0: no limit')
     view: str = setting('above', one_of(*VIEWS), 'viewpoint of ~view/image_raw')
+
+
+@dataclass(frozen=True)
+class SteppingSettings(Settings):
+    """paused: whether time is paused at 0 at the start. step_period: simulated s that ~step lets
+    pass; 0 is the period of a camera of 30 Hz. It is read again at each call.
+    """
+
+    paused: bool = setting(False)
+    step_period: float = setting(0.0, between(0, 3600))
 
 
 class ServiceCalls(CallQueue):
@@ -61,3 +76,28 @@ def serve_physics(calls: ServiceCalls, actions: Mapping[str, Callable[[], None]]
         return EmptyResponse()
     for name in actions:
         rospy.Service('~' + name, Empty, partial(handle, name))
+
+
+def serve_step(calls: ServiceCalls, simulator: Simulator, gate: TimeGate) -> None:
+    """Serve ~step (std_srvs/Trigger): time passes for ~step_period while it is paused.
+
+    The response comes when all messages of that time are sent.
+    """
+    def begin(period_s: float) -> 'Future[float]':
+        step_s, done = simulator.world.step_s, Future()     # type: float, Future[float]
+        end = simulator.steps + whole_steps(
+            'step_period', period_s or nearest_period(_CAMERA_RATE_HZ, step_s), step_s)
+        gate.step(end, lambda: done.set_result(simulator.time_s))
+        return done
+
+    def handle(_: TriggerRequest) -> TriggerResponse:
+        try:
+            period_s = parameters.read(SteppingSettings).step_period
+            done = calls.call(partial(begin, period_s))
+        except UserError as error:
+            return TriggerResponse(False, one_line(error))
+        time_s = done.result()
+        if gate.mode is Mode.SHUT_DOWN:
+            raise rospy.ServiceException('the node ends')
+        return TriggerResponse(True, 'simulated time is {:.3f} s'.format(time_s))
+    rospy.Service('~step', Trigger, handle)

@@ -1,24 +1,25 @@
 """Reads what robots are made from: their URDF and their parameters."""
 from dataclasses import dataclass
 from functools import partial
-from typing import Any, Collection, List, Sequence, Tuple
+from typing import Any, Collection, Dict, List, Mapping, Sequence, Tuple
 
 import rosgraph
 import rospy
 
 from img_recog.conversions.sensor_table import CAMERA, SENSORS
 from img_recog.errors import SimulationError, shortened
-from img_recog.formats import model_file
+from img_recog.formats import drive_controllers, model_file
+from img_recog.formats.drive_controllers import Controllers
 from img_recog.formats.reader import text_of
 from img_recog.loading import assemble
 from img_recog.model import Tree
-from img_recog.nodes.gazebo import controllers
 from img_recog.ros import parameters
 from img_recog.settings import ParameterError, Settings, setting, setting_fields, unknown
 from img_recog.simulation import configured_model
+from img_recog.simulation.simulation_settings import Names, topic_fields
 from img_recog.simulation.configured_model import ConfiguredModel
-from img_recog.simulation.simulation_settings import (CameraSettings, DriveSettings, Names,
-                                                      NoiseSettings, SpawnSettings, topic_fields)
+from img_recog.simulation.simulation_settings import (CameraSettings, DriveSettings, NoiseSettings,
+                                                      SpawnSettings)
 
 ROBOTS = '~robots'
 _MAX_NAME = 100         # characters
@@ -106,7 +107,7 @@ class RobotReader:
         namespace: of the robot.
         """
         try:
-            return model_file.is_robot(text, partial(controllers.read, Names(namespace)))
+            return model_file.is_robot(text, partial(read_controllers, Names(namespace)))
         except SimulationError:
             return False        # a model that is read otherwise, or refused
 
@@ -131,7 +132,7 @@ class RobotReader:
         """name: '' for that in the URDF; namespace: of its own parameters, '' for none."""
         spaces = namespace or '~', '~'
         spec = assemble.robot_of(
-            urdf, source, self._step_s, partial(controllers.read, names),
+            urdf, source, self._step_s, partial(read_controllers, names),
             lambda settings_class, values: parameters.read(settings_class, values, *spaces))
         for each in (spec.settings.drive, *spec.settings.sensors.values()):
             for field in topic_fields(each):
@@ -143,6 +144,23 @@ class RobotReader:
             spec = spec.with_sensor(CAMERA, camera)
         spec = spec._replace(names=names)
         return spec.renamed(name) if name else spec
+
+
+def read_controllers(names: Names, namespace: str) -> Controllers:
+    """Return the parameters of controllers, by the names that these have in the robot's namespace.
+
+    They are on the parameter server in a namespace, that of the plugin in the URDF, below that of
+    the robot, or for all robots below that of this node. Which of them a controller manager would
+    start is not known.
+    """
+    inner = '' if namespace == names.namespace else namespace
+    of_robot = '/'.join(filter(None, (names.namespace, inner)))
+    found: Dict[str, Mapping[str, Any]] = {}
+    for each in (of_robot, inner):
+        values = parameters.value(rospy.get_namespace() + each)
+        for name, value in drive_controllers.among(values, inner).items():
+            found.setdefault(name, value)
+    return found
 
 
 def in_namespace(spec: ConfiguredModel, namespace: str = '') -> ConfiguredModel:

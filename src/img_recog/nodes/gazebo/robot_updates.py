@@ -22,31 +22,33 @@ class RobotUpdates:
 
     def __init__(self, topics: WorldTopics, reader: RobotReader, calls: ServiceCalls):
         """Add the robots and advertise; the loop must not run yet."""
-        self._topics, self._reader, self._calls = topics, reader, calls
+        self._topics, self._reader = topics, reader
         self._made: Dict[str, Tuple[Any, ...]] = {}     # from what each robot was made
         self._said: Dict[str, str] = {}                 # why a robot is not there
-        self._lock = threading.Lock()
-        self._update(lambda action: action())
+        self._lock = threading.Lock()       # of calls of the service
+        self._call: Callable[[Callable[[], None]], Any] = lambda action: action()
+        self._update()
+        self._call = calls.call
         rospy.Service('~update_robots', Trigger, self._serve)
 
     def _serve(self, _: TriggerRequest) -> TriggerResponse:
         try:
             with self._lock:
-                problems = self._update(self._calls.call)
+                problems = self._update()
         except UserError as error:
             return TriggerResponse(False, one_line(error))
         return TriggerResponse(not problems, '\n'.join(problems))
 
-    def _update(self, call: Callable[[Callable[[], None]], Any]) -> List[str]:
-        """Add and remove; return the problems. call: calls what simulates."""
+    def _update(self) -> List[str]:
+        """Add and remove; return the problems."""
         names = self._reader.names()
         problems = []
         for name in [name for name in self._made if name not in names] + names:
             try:
                 if name in names:
-                    self._make(name, call)
+                    self._make(name)
                 else:
-                    call(partial(self._remove, name))
+                    self._call(partial(self._remove, name))
                 self._said.pop(name, None)
             except UserError as error:
                 reason = one_line(error)
@@ -56,12 +58,12 @@ class RobotUpdates:
                     rospy.logerr('robot %s is not simulated: %s', name, reason)
         return problems
 
-    def _make(self, name: str, call: Callable[[Callable[[], None]], Any]) -> None:
+    def _make(self, name: str) -> None:
         snapshot = self._reader.snapshot(name)
         if self._made.get(name) == snapshot and name in self._topics:
             return
         spec = self._reader.named(name)      # before the one of that name is removed
-        call(lambda: self._replace(spec, snapshot))
+        self._call(lambda: self._replace(spec, snapshot))
 
     def _replace(self, spec: ConfiguredModel, snapshot: Tuple[Any, ...]) -> None:
         """Add a robot; like `_remove` in what simulates, so that a late call is complete too."""

@@ -6,6 +6,7 @@ from diagnostic_msgs.msg import DiagnosticStatus
 from diagnostic_updater import DiagnosticStatusWrapper
 
 from img_recog.nodes.gazebo.physics_services import ServiceCalls
+from img_recog.nodes.gazebo.time_gate import TimeGate
 from img_recog.ros.diagnostics import (MIN_SHARE, Durations, EventCounter, Refusals, add_counter,
                                        add_durations, add_refusals)
 from img_recog.simulation.pacing import Pace
@@ -61,14 +62,14 @@ class SimulationDiagnostics:
     steps: how long the loop takes for a clock period of simulated time, without waiting.
     """
 
-    def __init__(self, pace: Pace, calls: ServiceCalls):
-        self._pace, self._calls = pace, calls
+    def __init__(self, pace: Pace, gate: TimeGate, calls: ServiceCalls):
+        self._pace, self._gate, self._calls = pace, gate, calls
         self.steps = Durations()
 
     def report(self, status: DiagnosticStatusWrapper, time_s: float) -> None:
         """Fill in the status at a simulated time; to be called once in each period."""
         pace = self._pace
-        status.summary(*_summary(pace))
+        status.summary(*_summary(pace, self._gate.is_paused))
         status.add('simulated time (s)', '{:.2f}'.format(time_s))
         status.add('real time factor', '{:.2f}'.format(pace.measured))
         status.add('wanted real time factor', '{:g}'.format(pace.wanted))
@@ -77,8 +78,8 @@ class SimulationDiagnostics:
         status.add('service calls that timed out', str(self._calls.late.total))
 
 
-def _summary(pace: Pace) -> Tuple[int, str]:
-    if pace.is_paused:
+def _summary(pace: Pace, is_paused: bool) -> Tuple[int, str]:
+    if is_paused:
         return DiagnosticStatus.OK, 'paused'
     if 0 < pace.measured < MIN_SHARE * pace.wanted:
         return DiagnosticStatus.WARN, (

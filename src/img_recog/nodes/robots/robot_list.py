@@ -1,7 +1,8 @@
 """Reads which robots there are: from a number, or from a YAML file."""
 import os
 from dataclasses import dataclass
-from typing import Any, Callable, Dict, List, Mapping, NamedTuple, Optional
+from functools import partial
+from typing import Any, Callable, Collection, Dict, List, Mapping, NamedTuple, Optional
 
 import rosgraph
 
@@ -70,21 +71,16 @@ class RobotRow(NamedTuple):
     colors: Optional[Dict[str, Any]] = None
 
 
-class Problem(NamedTuple):
-    """Why a robot cannot be. name: its own, or its place in the list."""
-
-    name: str
-    reason: str
-
-    def __str__(self) -> str:
-        return '{}: {}'.format(*self)
-
-
 class RobotList(NamedTuple):
-    """The robots, and those that cannot be."""
+    """A list of robots.
+
+    Attributes:
+        robots: Robots that can be.
+        problems: Why the others cannot be, by name, or by position for a robot without a name.
+    """
 
     robots: List[RobotRow]
-    problems: List[Problem]
+    problems: Dict[str, str]
 
 
 def read_robots(robots: str, defaults: Mapping[str, Any],
@@ -106,7 +102,7 @@ def read_robots(robots: str, defaults: Mapping[str, Any],
             'robots: got {}, allowed is a number from 1 to {}, or the path of a YAML file'.format(
                 shortened(text), MAX_ROBOTS))
     nodes = from_mapping(NodeSettings, defaults)
-    return RobotList([RobotRow(_NAME.format(number), nodes, {}) for number in range(count)], [])
+    return RobotList([RobotRow(_NAME.format(number), nodes, {}) for number in range(count)], {})
 
 
 def _from_file(path: str, defaults: Mapping[str, Any],
@@ -120,16 +116,15 @@ def _from_file(path: str, defaults: Mapping[str, Any],
         raise RobotListError('robots: {}: got {}, expected a list of 1 to {} robots, each like '
                              '- name: tb3_0'.format(path, _described(entries), MAX_ROBOTS))
     robots: List[RobotRow] = []
-    problems: List[Problem] = []
-    used: List[str] = []        # also by those that cannot be
+    problems: Dict[str, str] = {}
     for number, entry in enumerate(entries, 1):
         label = 'robot {} of the list'.format(number)
         try:
-            label = _name_of(entry, used)
-            used.append(label)
+            # also different from those that cannot be
+            label = _name_of(entry, [*problems, *(robot.name for robot in robots)])
             robots.append(_robot(label, entry, defaults, os.path.dirname(path), find))
         except UserError as error:
-            problems.append(Problem(label, one_line(error)))
+            problems[label] = one_line(error)
     return RobotList(robots, problems)
 
 
@@ -138,7 +133,7 @@ def _described(entries: Any) -> str:
         'nothing' if entries is None else type(entries).__name__)
 
 
-def _name_of(entry: Any, used: List[str]) -> str:
+def _name_of(entry: Any, used: Collection[str]) -> str:
     if not isinstance(entry, dict) or 'name' not in entry:
         raise RobotListError('got {}, expected a mapping with a name, like - name: tb3_0'.format(
             shortened(repr(entry)) if not isinstance(entry, dict) else 'no name'))
@@ -178,18 +173,11 @@ def _robot(name: str, entry: Dict[Any, Any], defaults: Mapping[str, Any], folder
             raise RobotListError('parameter {}: got {}, allowed is a number, a text, true or false'
                                  .format(shortened(key), shortened(repr(value))))
     values = {**defaults, **{key: value for key, value in entry.items() if key in fields}}
-    try:
-        for key in _PATHS:
-            if key in entry:
-                values[key] = _path(key, entry[key], folder, find)
-        if 'camera' in entry:
-            values['camera'] = camera(entry['camera'], folder)
-        if 'camera_info_url' in entry:
-            values['camera_info_url'] = _beside(entry['camera_info_url'], folder)
-        nodes = from_mapping(NodeSettings, values)
-    except SettingError as error:
-        raise RobotListError(one_line(error))
-    return RobotRow(name, nodes, {**simulation, **poses})
+    readers: Dict[str, Callable[[Any, str], Any]] = {
+        **{key: partial(_path, key, find) for key in _PATHS},
+        'camera': camera, 'camera_info_url': _beside}
+    values.update((key, read(entry[key], folder)) for key, read in readers.items() if key in entry)
+    return RobotRow(name, from_mapping(NodeSettings, values), {**simulation, **poses})
 
 
 def _is_parameter(key: Any, value: Any) -> bool:
@@ -228,7 +216,7 @@ def _beside(url: Any, folder: str) -> Any:
     return url
 
 
-def _path(key: str, value: Any, folder: str, find: Callable[[str], Optional[str]]) -> str:
+def _path(key: str, find: Callable[[str], Optional[str]], value: Any, folder: str) -> str:
     """Return a path that is given relative to the folder of the list, or as a package:// URI."""
     if not isinstance(value, str) or not value.isprintable():
         raise SettingError(key, value, 'the path of a file')

@@ -9,10 +9,11 @@ Reads: the fields of ManagerSettings and NodeSettings as private parameters.
 """
 import contextlib
 import dataclasses
+import functools
 import math
 import time
 from dataclasses import dataclass
-from typing import Any, Dict, Iterable, List, Optional
+from typing import Dict, Iterable, List
 
 import rospy
 from roslaunch import RLException
@@ -24,7 +25,7 @@ from img_recog.camera_arguments import (CAMERA_INFO_TOPIC, CAMERA_TOPIC, FRAME, 
 from img_recog.errors import UserError, one_line
 from img_recog.loading import resources, robot_file
 from img_recog.nodes.robots import robot_list, robot_nodes
-from img_recog.nodes.robots.robot_list import NodeSettings, Problem, RobotRow
+from img_recog.nodes.robots.robot_list import NodeSettings, RobotRow
 from img_recog.nodes.robots.robot_nodes import RobotNodes
 from img_recog.recognition import parameter_file
 from img_recog.ros import lifecycle, parameters
@@ -95,43 +96,43 @@ class RobotsNode:
             problems = self._calls.call(self._update, _RELOAD_TIMEOUT_S)
         except UserError as error:
             return TriggerResponse(False, one_line(error))
-        return TriggerResponse(not problems, '\n'.join(map(str, problems)))
+        return TriggerResponse(not problems, '\n'.join(_lines(problems)))
 
-    def _update(self) -> List[Problem]:
-        """Make the robots those of the list; return those that cannot be.
+    def _update(self) -> Dict[str, str]:
+        """Make the robots those of the list; return why others cannot be, by name.
 
         Raises RobotListError when there is no list; then nothing changes.
         """
         listed = robot_list.read_robots(files.find_user_path(self._settings.robots),
                                         self._defaults, resources.find)
-        problems = list(listed.problems)
+        problems = dict(listed.problems)
         wanted: Dict[str, RobotRow] = {}
-        texts: Dict[str, str] = {}      # by path: xacro takes a second
+        read_urdf = functools.lru_cache(maxsize=None)(robot_file.read)  # xacro takes a second
         for row in listed.robots:
             try:
                 wanted[row.name] = row._replace(
-                    description=_urdf_of(row, texts), colors=_colors_of(row))
+                    description=read_urdf(row.nodes.urdf),
+                    colors=parameter_file.load(row.nodes.colors).values
+                    if row.nodes.recognition else None)
             except UserError as error:
-                problems.append(Problem(row.name, one_line(error)))
-        failed = {problem.name for problem in problems}
+                problems[row.name] = one_line(error)
         # one that runs and has an error in the list now goes on as it is
-        self._stop([name for name, nodes in self._running.items() if name not in failed and (
+        self._stop([name for name, nodes in self._running.items() if name not in problems and (
             nodes.robot != wanted.get(name) or nodes.has_ended)])
         _log(problems)
         new = {name: each for name, each in wanted.items() if name not in self._running}
         if self._settings.simulator:
-            problems += self._simulate(new)
-        failed = {problem.name for problem in problems}
+            problems.update(self._simulate(new))
         for name, robot in new.items():
-            if name not in failed and not rospy.is_shutdown():
+            if name not in problems and not rospy.is_shutdown():
                 try:
                     self._running[name] = RobotNodes(robot, {
                         'camera_frame_id': self._settings.camera_frame_id,
                         'respawn': self._settings.respawn,
                         'robot_state_publisher': self._settings.simulator})
                 except (OSError, ValueError, RLException) as error:
-                    problems.append(Problem(name, one_line(error)))
-                    _log(problems[-1:])
+                    problems[name] = one_line(error)
+                    _log({name: problems[name]})
         if not rospy.is_shutdown():
             rospy.loginfo('%d robots are running%s', len(self._running),
                           ', {} not started'.format(len(problems)) if problems else '')
@@ -140,22 +141,21 @@ class RobotsNode:
     def _robots(self) -> Dict[str, RobotRow]:
         return {name: nodes.robot for name, nodes in self._running.items()}
 
-    def _simulate(self, new: Dict[str, RobotRow]) -> List[Problem]:
-        """Have the simulator add and remove robots; return those that it refuses, logged."""
-        taken = [Problem(name, 'there is a parameter {}; give the robot another name'.format(
-            rospy.resolve_name(name))) for name in new if not isinstance(
-                parameters.value(name), (dict, type(None)))]
+    def _simulate(self, new: Dict[str, RobotRow]) -> Dict[str, str]:
+        """Have the simulator add and remove robots; return why it refuses some, logged."""
+        taken = {name: 'there is a parameter {}; give the robot another name'.format(
+            rospy.resolve_name(name)) for name in new if not isinstance(
+                parameters.value(name), (dict, type(None)))}
         _log(taken)
-        names = {problem.name for problem in taken}
         robots = {**self._robots(),
-                  **{name: each for name, each in new.items() if name not in names}}
+                  **{name: each for name, each in new.items() if name not in taken}}
         self._set_parameters(robots)
         update = rospy.ServiceProxy(_UPDATE, Trigger)
         warn_s = time.monotonic() + _PATIENCE_S
         while not rospy.is_shutdown():
             try:
                 update.wait_for_service(_SERVICE_TIMEOUT_S)
-                return taken + self._refused(update(), robots)
+                return {**taken, **self._refused(update(), robots)}
             except rospy.ServiceException as error:
                 self._warn('%s fails, and is called again: %s', rospy.resolve_name(_UPDATE),
                            one_line(error))
@@ -167,19 +167,18 @@ class RobotsNode:
                                   rospy.resolve_name(_UPDATE))
         return taken
 
-    def _refused(self, answer: TriggerResponse, names: Iterable[str]) -> List[Problem]:
-        """Return the new robots that the simulator refuses, and forget their parameters.
+    def _refused(self, answer: TriggerResponse, names: Iterable[str]) -> Dict[str, str]:
+        """Return why the simulator refuses some new robots, and forget their parameters.
 
         It answers with a line NAME: REASON for each, or with one about no robot.
         """
         if answer.success:
-            return []
-        lines = answer.message.splitlines()
-        found = [Problem(*line.partition(': ')[::2]) for line in lines]
-        if any(problem.name not in names for problem in found):
-            found = [Problem(name, answer.message) for name in sorted(names)]
-        refused = [problem for problem in found if problem.name not in self._running]
-        for name in {problem.name for problem in refused}:
+            return {}
+        found = dict(line.partition(': ')[::2] for line in answer.message.splitlines())
+        if not set(found).issubset(names):
+            found = dict.fromkeys(sorted(names), answer.message)
+        refused = {name: reason for name, reason in found.items() if name not in self._running}
+        for name in refused:
             with contextlib.suppress(KeyError):
                 rospy.delete_param('{}/{}'.format(_SIMULATED, name))
         return refused
@@ -224,27 +223,13 @@ class RobotsNode:
                              'to start them', name, rospy.resolve_name('~reload'))
 
 
-def _log(problems: Iterable[Problem]) -> None:
-    for problem in problems:
-        rospy.logerr('not started: %s', problem)
+def _lines(problems: Dict[str, str]) -> List[str]:
+    return ['{}: {}'.format(name, reason) for name, reason in problems.items()]
 
 
-def _colors_of(robot: RobotRow) -> Optional[Dict[str, Any]]:
-    """Return what the file of colors of a robot holds, None if it needs none. Raises UserError."""
-    if not robot.nodes.recognition:
-        return None
-    return parameter_file.load(robot.nodes.colors).values
-
-
-def _urdf_of(robot: RobotRow, texts: Dict[str, str]) -> str:
-    """Return the URDF of a robot. Raises UserError.
-
-    texts: URDFs that were read already, by path.
-    """
-    path = robot.nodes.urdf
-    if path not in texts:
-        texts[path] = robot_file.read(path)
-    return texts[path]
+def _log(problems: Dict[str, str]) -> None:
+    for line in _lines(problems):
+        rospy.logerr('not started: %s', line)
 
 
 def main() -> int:

@@ -2,7 +2,7 @@
 import numpy as np
 import pytest
 
-from img_recog.nodes.gazebo import camera_topics, view_topic
+from img_recog.nodes.gazebo import camera_topics, images
 
 
 class FakePublisher:
@@ -46,7 +46,7 @@ class FakeCompressed(FakePublisher):
 def publishers(monkeypatch):
     """The publishers of images that are made, by topic."""
     monkeypatch.setattr(FakePublisher, 'made', {})
-    for module in (camera_topics, view_topic):
+    for module in (camera_topics, images):
         monkeypatch.setattr(module, 'ImagePublisher', FakePublisher)
     monkeypatch.setattr(camera_topics, 'CompressedImages', FakeCompressed)
     for name in ('publisher', 'LargePublisher'):

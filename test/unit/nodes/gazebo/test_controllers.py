@@ -4,7 +4,7 @@ from functools import partial
 import pytest
 
 from img_recog.formats import drive_controllers, urdf
-from img_recog.nodes.gazebo import controllers
+from img_recog.nodes.gazebo import robot_reader
 from img_recog.simulation.simulation_settings import Names
 from img_recog_helpers.wheeled import plugin, robot
 
@@ -37,4 +37,4 @@ def test_the_controllers_of_a_robot(monkeypatch, server, space, namespace, found
     for library, expected in (('gazebo_ros_control', found), ('gazebo_ros_planar_move', {})):
         assert drive_controllers.of_robot(
             urdf.root_of(robot(plugin(library, **tags))),
-            partial(controllers.read, Names(namespace))) == expected
+            partial(robot_reader.read_controllers, Names(namespace))) == expected

@@ -4,10 +4,13 @@ from unittest import mock
 
 import pytest
 
-from img_recog.nodes.gazebo import view_topic
+from img_recog.nodes.gazebo import images
 from img_recog.nodes.gazebo.images import Images
+from img_recog.nodes.gazebo.time_gate import Mode, TimeGate, Wait
+from img_recog.ros.transport.redelivery import Redelivery
+from img_recog.simulation.simulation_settings import Names
 from img_recog.simulation.pictures.view import ABOVE, follow, horizontal_fov
-from img_recog.simulation.simulation_settings import CameraSettings, Names, ViewSettings
+from img_recog.simulation.simulation_settings import CameraSettings, ViewSettings
 from img_recog_helpers import robots
 from img_recog_helpers.waiting import DEADLINE_S
 
@@ -55,13 +58,15 @@ class FakeStatics(dict):
 class Rig:
     """Images of a simulated robot with two cameras, of 32 and 16 pixels in a row."""
 
-    def __init__(self, publishers, lockstep=None, **settings):
+    def __init__(self, publishers, redelivery=None, **settings):
+        self.gate = TimeGate(Mode.RUNNING, lambda: None, redelivery and 5.0)
         self.simulator, self.statics = robots.assemble(
             x=1.0, cameras=[CAMERA, BACK]), FakeStatics()
         self.robot, self.publishers = self.simulator.robots[0], publishers
-        self.images = Images(self.simulator, ViewSettings(view_width=64, view_height=48,
-                                                          **settings),
-                             self.statics, self._make_process, lockstep)
+        with mock.patch.object(images, 'ImageProcess', self._make_process):
+            self.images = Images(
+                self.simulator, ViewSettings(view_width=64, view_height=48, **settings),
+                self.statics, self.gate, lambda: None, redelivery)
         self.mounted, = self.robot.sensors
         self.images.add_cameras(self.mounted)
 
@@ -93,7 +98,7 @@ def watched(rig, publishers):
 
 def test_in_lockstep_no_other_process_comes_before_the_one_that_draws(publishers):
     assert Rig(publishers).process.niceness > 0
-    assert Rig(publishers, lockstep=mock.Mock()).process.niceness == 0
+    assert Rig(publishers, Redelivery()).process.niceness == 0
 
 
 def test_a_camera_is_used_while_it_has_a_subscriber_and_can_be_drawn(rig, publishers):
@@ -138,15 +143,31 @@ def test_images_of_one_time_are_one_request(watched, publishers):
         'image', 'small', 0.04, header.stamp)
 
 
-def test_images_are_drawn_before_their_publication_is_complete(watched, publishers):
-    seen = []
-    publishers['eye/image'].publish = lambda *_: seen.append(
-        (watched.images.are_drawn(), watched.images.is_complete()))
-    assert watched.images.are_drawn() and watched.images.is_complete()      # nothing was read yet
+def test_images_are_drawn_before_their_publication_is_complete(publishers):
+    watched, seen = Rig(publishers, Redelivery()), []
+    publishers['eye/image'].subscribers, watched.process.is_ready = 1, True
+
+    def state():
+        return not watched.gate.awaited(Wait.IMAGES), watched.images.is_complete()
+    publishers['eye/image'].publish = lambda *_: seen.append(state())
+    assert state() == (True, True)      # nothing was read yet
     watched.step(20)
-    assert not (watched.images.are_drawn() or watched.images.is_complete())
+    assert state() == (False, False)
     watched.process.requests[0][-1]([('image', None)])
-    assert seen == [(True, False)] and watched.images.is_complete()
+    assert seen == [(True, False)] and state() == (True, True)
+
+
+@pytest.mark.parametrize('redelivery, is_started', [(None, False), (Redelivery(), True)])
+def test_world_is_loaded_again_at_once_only_in_lockstep(publishers, redelivery, is_started):
+    rig = Rig(publishers, redelivery)
+    for has_passed in (False, True):
+        rig.process.is_started = False
+        rig.images.look()
+        assert rig.process.is_started == (is_started or not has_passed)
+        rig.process.is_ready = True
+        rig.images.look()
+        assert rig.gate.may_pass(0)
+        rig.process.is_ready = False        # it was killed
 
 
 def test_an_image_is_drawn_while_others_are_published_and_follows_them(watched, publishers):
@@ -226,7 +247,7 @@ def test_another_scene(rig):
 
 def test_the_view_is_drawn_once_in_a_period_while_it_has_a_subscriber(
         publishers, clock, monkeypatch):
-    monkeypatch.setattr(view_topic.time, 'monotonic', clock)
+    monkeypatch.setattr(images.time, 'monotonic', clock)
     rig = Rig(publishers, view_rate=10.0)
     rig.images.update_view()
     assert not rig.process.is_started

@@ -4,6 +4,7 @@ from diagnostic_msgs.msg import DiagnosticStatus
 
 from img_recog.nodes.gazebo.physics_services import ServiceCalls
 from img_recog.nodes.gazebo.simulation_diagnostics import CommandCounts, SimulationDiagnostics
+from img_recog.nodes.gazebo.time_gate import Mode, TimeGate
 from img_recog.simulation.pacing import Pace
 from img_recog_helpers.statuses import values
 
@@ -12,9 +13,10 @@ OK, WARN = DiagnosticStatus.OK, DiagnosticStatus.WARN
 
 def running(measured, wanted=1.0, is_paused=False):
     pace, calls = Pace(wanted), ServiceCalls()
-    pace.measured, pace.is_paused = measured, is_paused
+    pace.measured = measured
     calls.late.add()
-    return SimulationDiagnostics(pace, calls)
+    return SimulationDiagnostics(
+        pace, TimeGate(Mode.PAUSED if is_paused else Mode.RUNNING, calls.wake), calls)
 
 
 @pytest.mark.parametrize('diagnostics, level, message', [

@@ -32,7 +32,7 @@ def test_a_number_gives_the_names_of_multi_turtlebot3(count):
     found = read(count)
     assert [robot.name for robot in found.robots] == [
         'tb3_{}'.format(number) for number in range(int(count))]
-    assert found.problems == []
+    assert found.problems == {}
     assert {robot.nodes for robot in found.robots} == {NodeSettings(**DEFAULTS)}
     assert all(robot.simulation == {} for robot in found.robots)
 
@@ -51,7 +51,7 @@ def test_a_list_gives_each_robot_its_own(listed, tmp_path):
                    '- {name: b, x_pos: 1, y_pos: -2.5, yaw: 0.5, camera: robot, colors: my.yaml,'
                    ' urdf: "package://p/a.urdf", framerate: 5, simulation: {scan_noise: 0.0}}\n')
     first, second = found.robots
-    assert found.problems == []
+    assert found.problems == {}
     assert first.simulation == {} and first.nodes == NodeSettings(**DEFAULTS)
     assert second.simulation == {'x_pos': 1, 'y_pos': -2.5, 'yaw': 0.5, 'scan_noise': 0.0}
     assert second.nodes == NodeSettings(urdf='/p/a.urdf', colors=str(tmp_path / 'my.yaml'),
@@ -72,7 +72,7 @@ def test_one_that_is_wrong_does_not_keep_the_others_out(listed, tmp_path):
     def problem(entry):
         found = listed('- name: good\n- {}\n- name: last\n'.format(entry))
         assert [robot.name for robot in found.robots] == ['good', 'last']
-        line, = map(str, found.problems)
+        line, = map(': '.join, found.problems.items())
         assert '\n' not in line
         return line.replace(str(tmp_path), '')
     expected.check_cases('refused/robots.txt', problem)
@@ -94,7 +94,7 @@ def test_a_camera_beside_the_list_is_found(listed, tmp_path):
                'http://host/a': 'http://host/a', str(tmp_path): str(tmp_path)}
     found = listed(''.join('- {{name: r{}, camera: "{}"}}\n'.format(number, camera)
                            for number, camera in enumerate(cameras)))
-    assert found.problems == []
+    assert found.problems == {}
     assert [robot.nodes.camera for robot in found.robots] == list(cameras.values())
 
 
@@ -107,5 +107,4 @@ def test_the_name_of_one_that_is_wrong_is_used_too(listed):
     """Else a robot of this name would be in the simulator, without nodes."""
     found = listed('- {name: b, foo: 1}\n- {name: b}\n- {name: c}\n')
     assert [robot.name for robot in found.robots] == ['c'] and len(found.problems) == 2
-    assert found.problems[1].name == 'robot 2 of the list'
-    assert 'the name b is used by a robot before it' in found.problems[1].reason
+    assert 'the name b is used by a robot before it' in found.problems['robot 2 of the list']
