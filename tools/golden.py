@@ -29,7 +29,7 @@ from img_recog.errors import UserError, one_line
 from img_recog.formats.world_file import EMPTY
 from img_recog.loading import assemble
 from img_recog.report import LEFT_OUT
-from img_recog.simulation.figures import Figures
+from img_recog.simulation.models import Figures
 from img_recog.simulation.physics.body import Body
 from img_recog.simulation.pictures.visual_scene import Parts
 from img_recog.simulation.simulation_settings import PhysicsSettings

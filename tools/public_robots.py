@@ -17,8 +17,7 @@ from img_recog import rotations
 from img_recog.errors import UserError
 from img_recog.formats.world_file import EMPTY
 from img_recog.loading import assemble, resources, robot_file
-from img_recog.simulation.figures import Figures
-from img_recog.simulation.models import LINK_SEPARATOR
+from img_recog.simulation.models import LINK_SEPARATOR, Figures
 from img_recog.simulation.physics.drive import Drive
 from img_recog.simulation.simulation_settings import (DriveSettings, PhysicsSettings,
                                                       SpawnSettings)

@@ -12,8 +12,7 @@ from img_recog.conversions.robot_cameras import DrawnCamera, Drawing
 from img_recog.errors import UserError
 from img_recog.loading import assemble
 from img_recog.report import NOT_DRAWN
-from img_recog.simulation.figures import Figures
-from img_recog.simulation.models import Models
+from img_recog.simulation.models import Figures, Models
 from img_recog.simulation.simulated_model import MountedSensors
 from img_recog.simulation.simulation_settings import PhysicsSettings, SpawnSettings
 
