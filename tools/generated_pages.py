@@ -31,7 +31,7 @@ from img_recog.nodes.web.web_settings import WebSettings
 from img_recog.recognition.recognition_settings import DEFAULT_COLORS, with_colors
 from img_recog.settings import allowed_text
 from img_recog.simulation.simulation_settings import PhysicsSettings, ViewSettings
-from img_recog.teleoperation.profile import TeleopSettings, VelocityLimits
+from img_recog.teleoperation import TeleopSettings, VelocityLimits
 
 ROOT = os.path.normpath(os.path.join(os.path.dirname(os.path.abspath(__file__)), '..'))
 _LAUNCH = """# Launch files

@@ -33,6 +33,7 @@ _WORLDS = 'worlds'
 _EMPTY_FILES = '.empty_files'
 _EMPTY_XACRO = '<robot xmlns:xacro="http://ros.org/wiki/xacro"/>\n'
 _PACKAGE_XML = '<package format="2"><name>{}</name></package>\n'
+_CONVERTED_VERSION = '1.7'      # in which Gazebo 11 writes what it makes of a URDF
 _GROUND = '<include><uri>model://ground_plane</uri></include>'
 _DECIMALS = 4
 
@@ -203,8 +204,10 @@ def write_worlds(robot: Robot, folder: str, convert: str) -> str:
     Returns:
         Path of the folder of the worlds.
     """
-    model = read_robot(robot, folder)
-    if not robot.is_sdf:
+    model, version = read_robot(robot, folder), _CONVERTED_VERSION
+    if robot.is_sdf:
+        version = _version(os.path.join(folder, robot.clone, robot.file))
+    else:
         run = subprocess.run(convert, shell=True, input=ElementTree.tostring(model),
                              stdout=subprocess.PIPE, check=True)
         model = next(ElementTree.fromstring(run.stdout).iter('model'))
@@ -219,8 +222,7 @@ def write_worlds(robot: Robot, folder: str, convert: str) -> str:
     model.set('name', robot.name)
     for name, _, heading in starts():
         _place(model, robot.height, heading)
-        _write_sdf(os.path.join(place, name + '.sdf'), '<world name="default">{}{}</world>'.format(
-            _GROUND, ElementTree.tostring(model, 'unicode')))
+        _write_world(os.path.join(place, name + '.sdf'), model, version)
     return place
 
 
@@ -255,9 +257,15 @@ def _place(model: ElementTree.Element, z: float, heading: float) -> None:
     pose.text = '0 0 {} 0 0 {}'.format(z, heading)
 
 
-def _write_sdf(path: str, content: str) -> None:
+def _version(path: str) -> str:
+    """Return the version of an SDF. An element can mean something else in another version."""
+    return ElementTree.fromstring(robot_file.read_any(path)).get('version', '')
+
+
+def _write_world(path: str, model: ElementTree.Element, version: str) -> None:
     with open(path, 'w') as file:
-        file.write('<sdf version="1.7">\n{}\n</sdf>\n'.format(content))
+        file.write('<sdf version="{}">\n<world name="default">{}{}</world>\n</sdf>\n'.format(
+            version, _GROUND, ElementTree.tostring(model, 'unicode')))
 
 
 def run_in_gazebo(robot: Robot, worlds: str, program: GazeboProgram) -> Dict[str, Any]:
@@ -322,8 +330,7 @@ def _sdf_robot(robot: Robot, element: ElementTree.Element, source: str,
     _place(element, robot.height, heading)
     path = '{}.{}.sdf'.format(source, os.getpid())      # next to its meshes
     try:
-        _write_sdf(path, '<world name="default">{}{}</world>'.format(
-            _GROUND, ElementTree.tostring(element, 'unicode')))
+        _write_world(path, element, _version(source))
         return assemble.simulator(PhysicsSettings(world=path), with_drives=True)
     finally:
         os.remove(path)

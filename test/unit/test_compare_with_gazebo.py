@@ -84,6 +84,16 @@ def test_reversed_joints_turn_backward(load):
         'l': 1.0, 'm': -1.0, 'r': 3.0}
 
 
+def test_world_of_an_sdf_keeps_its_version(load, tmp_path):
+    """In SDF 1.7, <use_parent_model_frame> does nothing: wheels turned about another axis."""
+    (tmp_path / 'b+c').mkdir()
+    (tmp_path / 'b+c' / 'd.sdf').write_text('<sdf version="1.5"><model name="m"/></sdf>')
+    robot = load('public_robots').Robot('a', 'b/c', '', 'd.sdf', ['l'], ['r'], 0.2, 0.4, 5.0, 0.0)
+    folder = load('public_robots').write_worlds(robot, str(tmp_path), 'false')
+    with open(folder + '/turn_0.sdf') as file:
+        assert file.read().startswith('<sdf version="1.5">')
+
+
 def test_values_follow_more_than_one_turn(load):
     quarters = [(0, 0, 0, 0, 0, 0, 1), (0, 0, 0, 0, 0, 1, 1), (0, 0, 0, 0, 0, 1, 0),
                 (0, 0, 0, 0, 0, 1, -1), (0, 0, 0, 0, 0, 0, -1), (3, 4, 9, 0, 0, 1, 1)]

@@ -83,7 +83,7 @@ def test_accepted(checked, words):
      'xacro cannot expand FILE: '),
     ('colors', 'colors: [blue\n',
      'cannot read the parameters in FILE: no YAML, line 2, column 1: '),
-    ('camera', None, 'cannot open FILE: no such file; set a device, '),
+    ('camera', None, 'cannot open FILE: no such file; give a device, '),
     ('robots', None, 'robots: cannot read FILE: No such file or directory; give a number of'),
     ('world', '<sdf><world>',
      'xacro cannot expand FILE: not XML: it is empty, or ends at line 1 ')])

@@ -159,9 +159,7 @@ def _parse(arguments: Sequence[str]) -> argparse.Namespace:
     parser.add_argument('--objective', choices=OBJECTIVES, default=PIXELS,
                         help='what is best: most pixels right; most frames right; or the widest '
                         'margin for other light (default: %(default)s)')
-    parser.add_argument('--output', metavar='FOLDER_OR_PREFIX', default='',
-                        help='where to write the files (default: fit_colors.yaml, .md, .png and '
-                        '.csv in the current folder)')
+    recording_names.add_output(parser, 'fit_colors.yaml, .md, .png and .csv')
     add_options(parser)
     options = parser.parse_args(arguments)
     for name in ('samples', 'check', 'colors', 'output'):

@@ -24,7 +24,7 @@ from img_recog.replay.chain import (SECOND_NS, Chain, ColorRecognition, FrameMea
 from img_recog.replay.film import Film, FilmRecorder
 from img_recog.replay.robot_frames import RobotFrames
 from img_recog.settings import from_mapping
-from img_recog.simulation.physics.footprints import footprints
+from img_recog.simulation.pictures.footprints import footprints
 from img_recog.simulation.simulation_settings import (CameraSettings, DriveSettings, NoiseSettings,
                                                       SpawnSettings)
 from img_recog.simulation.simulator import Simulator

@@ -101,8 +101,8 @@ def find(name: str, folders: Sequence[str]) -> str:
                else 'file')
     raise RefusedSource(
         'cannot open {}: no such {}'.format(candidates[0], missing),
-        'set a device, a video, an image, synthetic or auto, with ./run demo and roslaunch as '
-        'camera:=synthetic, with rosrun as _video_device:=synthetic')
+        'give a device, a video, an image, synthetic or auto: camera:=synthetic to ./run demo and '
+        'roslaunch, _video_device:=synthetic to rosrun')
 
 
 def _is_text(path: str) -> bool:

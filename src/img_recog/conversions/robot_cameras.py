@@ -11,10 +11,9 @@ from sensor_msgs.msg import PointCloud2, PointField
 from std_msgs.msg import Header
 
 from img_recog.camera.calibration import Calibration
-from img_recog.rendering import lens_views, rays, renderer
+from img_recog.rendering import lens_views, renderer
 from img_recog.rendering.camera import Camera
-from img_recog.rendering.light import LightFilter
-from img_recog.rendering.noise import PixelNoise
+from img_recog.rendering.light import LightFilter, PixelNoise
 from img_recog.rendering.server import Shot
 from img_recog.simulation.pictures.visual_scene import Parts
 from img_recog.simulation.sensors.robot_camera import Exposure
@@ -91,7 +90,7 @@ def _calibration(settings: CameraSettings, camera: Camera) -> Optional[Calibrati
     The focal length in P is that in K. The baseline is that of libgazebo_ros_camera's
     hackBaseline: P has -fx times it in its fourth column.
     """
-    model = rays.model_of(camera)
+    model = lens_views.model_of(camera)
     if model is None:
         return None
     fx, fy, cx, cy = model.intrinsics

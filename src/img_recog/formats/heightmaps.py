@@ -1,23 +1,135 @@
 """The heightmaps of an SDF: terrain whose heights are the pixels of an image, or a DEM."""
 import contextlib
 import functools
+import io
+import math
 import os
+import re
 import xml.etree.ElementTree as ElementTree
-from typing import Iterator, NamedTuple, Tuple
+from typing import Iterator, NamedTuple, Optional, Tuple
 
+import cv2
 import numpy as np
 
 from img_recog.errors import SimulationError, one_line
 from img_recog.files import FindFile, no_file, plain
-from img_recog.formats import elevations, generated_meshes
+from img_recog.formats import generated_meshes
 from img_recog.formats.reader import text_of, value
 from img_recog.model import HEIGHTMAP, Material, Shape
 from img_recog.rotations import IDENTITY, Transform
 
+FORMATS = 'GeoTIFF, Arc/Info ASCII grid (.asc) or SRTM (.hgt)'
+_EARTH_RADIUS_M = 6371000.0     # of Gazebo's SphericalCoordinates
+_NO_DATA = -9999.0              # heights up to this are unknown if the file names no other one
+# tags of a TIFF: its size, and those of GeoTIFF and of GDAL
+_WIDTH, _HEIGHT, _SCALE, _TIE, _KEYS, _GDAL_NO_DATA = 256, 257, 33550, 33922, 34735, 42113
+_MATRIX = 34264                 # from pixels to places, instead of a scale and a tie point
+_IN_DEGREES = 1024, 2           # a key of GeoTIFF and its value
+
+# heights (rows, columns) in m, the first row is in the north; size of a cell in x and y;
+# latitude of the upper edge if that size is in degrees, None if in m; largest unknown height
+_Grid = Tuple[np.ndarray, Tuple[float, float], Optional[float], float]
 _MAX_PIXELS = 50_000_000
 # points on a side: where samples between pixels are left out; of the terrain; of what is drawn
 _MAX_SAMPLED, _MAX_POINTS, _MAX_DRAWN = 513, 1025, 257
 _EARTH = (0.42, 0.4, 0.32, 1.0)         # the color without a texture
+
+
+class Elevations(NamedTuple):
+    """The heights of a terrain.
+
+    points: (n, n) in m, NaN where there are none. size: of the ground in m, and from the lowest
+    known height to the highest one.
+    """
+
+    points: np.ndarray
+    lowest: float
+    size: Tuple[float, float, float]
+
+
+def read_dem(path: str, max_heights: int) -> Optional[Elevations]:
+    """Return the heights in a file, None if it is not a DEM.
+
+    They are a square of 2^n + 1 points on a side, as in Dem::LoadData of Gazebo 11: the longer
+    side is scaled to it, and the points that are left are 0. Raises an error of any type if the
+    file is damaged, or is a TIFF of more than that many heights.
+    """
+    with open(path, 'rb', opener=plain) as file:
+        content = file.read()
+    grid = (_tiff(content, max_heights) if content[:2] in (b'II', b'MM') else
+            _tile(path, content) if path.lower().endswith('.hgt') else
+            _ascii_grid(path, content) if content[:5].lower() == b'ncols' else None)
+    if grid is None:
+        return None
+    heights, step, north, no_data = grid
+    longest = max(heights.shape)
+    side = 1 + (1 << (longest - 2).bit_length())
+    rows, columns = (
+        ((np.arange(int(side * count / longest)) + 0.5) * longest / side).astype(int)
+        for count in heights.shape)
+    points = np.zeros((side, side))
+    points[:len(rows), :len(columns)] = heights[np.ix_(rows, columns)]
+    points[~np.isfinite(points)] = np.nan
+    known = points[points > no_data]
+    if not known.size:
+        raise ValueError('it has no height above {:g}'.format(no_data))
+    width, depth = heights.shape[1] * step[0], heights.shape[0] * step[1]
+    if north is not None:
+        half = math.cos(math.radians(north)) * math.sin(math.radians(width) / 2)
+        width = 2 * _EARTH_RADIUS_M * math.asin(half)
+        depth = _EARTH_RADIUS_M * math.radians(depth)
+    return Elevations(points, float(known.min()), (width, depth, float(np.ptp(known))))
+
+
+def _tiff(content: bytes, max_heights: int) -> Optional[_Grid]:
+    """Return a GeoTIFF, None for another TIFF."""
+    from PIL import TiffImagePlugin     # takes time, and few worlds have one
+    file = io.BytesIO(content)
+    tags = TiffImagePlugin.ImageFileDirectory_v2(file.read(16 if b'+' in content[2:4] else 8))
+    file.seek(tags.next)
+    tags.load(file)
+    if _SCALE in tags:
+        step, north = tags[_SCALE][:2], tags[_TIE][4] if _TIE in tags else 0.0
+    elif _MATRIX in tags:
+        x_x, x_y, _, _, y_x, y_y, _, north = tags[_MATRIX][:8]
+        step = math.hypot(x_x, y_x), math.hypot(x_y, y_y)
+    else:
+        return None
+    if tags[_WIDTH] * tags[_HEIGHT] > max_heights:
+        raise ValueError('it has more than {} heights'.format(max_heights))
+    heights = cv2.imdecode(np.frombuffer(content, np.uint8), cv2.IMREAD_UNCHANGED)
+    if heights is None or heights.ndim != 2:
+        raise ValueError('it does not have one band of a type that OpenCV reads')
+    keys = tags.get(_KEYS, ())
+    return (heights, step, north if _IN_DEGREES in zip(keys[::4], keys[3::4]) else None,
+            float(tags.get(_GDAL_NO_DATA, _NO_DATA)))
+
+
+def _tile(path: str, content: bytes) -> _Grid:
+    """Return a tile of SRTM; its south-west corner is in its name."""
+    name = re.match('([NS])([0-9]{2})[EW][0-9]{3}', os.path.basename(path).upper())
+    side = math.isqrt(len(content) // 2)
+    if name is None or side < 2 or len(content) != 2 * side * side:
+        raise ValueError('it is not a square of 16-bit numbers with a name like N45E010.hgt')
+    return (np.frombuffer(content, '>i2').reshape(side, side), (1 / (side - 1), 1 / (side - 1)),
+            int(name.group(2)) + (1 if name.group(1) == 'N' else -1), -32768.0)
+
+
+def _ascii_grid(path: str, content: bytes) -> _Grid:
+    """Return an ASCII grid of Arc/Info; a file .prj beside it says whether it is in degrees."""
+    words = content.lower().split()
+    count = 2 * sum(word[:1].isalpha() for word in words[:14:2])
+    header = dict(zip(words[:count:2], map(float, words[1:count:2])))
+    step_x, step_y = (header.get(key, header.get(b'cellsize', 1.0)) for key in (b'dx', b'dy'))
+    heights = np.array(words[count:], float).reshape(int(header[b'nrows']), int(header[b'ncols']))
+    projection = os.path.splitext(path)[0] + '.prj'
+    north = None
+    if os.path.isfile(projection):
+        with open(projection, 'rb') as file:
+            if re.match(rb'\s*(Projection\s+)?GEOG', file.read(), re.IGNORECASE):
+                south = header.get(b'yllcorner', header.get(b'yllcenter', 0.0))
+                north = south + len(heights) * step_y
+    return heights, (step_x, step_y), north, header.get(b'nodata_value', _NO_DATA)
 
 
 class Heightmap(NamedTuple):
@@ -55,7 +167,7 @@ def _size(name: str, element: ElementTree.Element, path: str) -> np.ndarray:
     """Return the <size> of a heightmap; without one, that of the ground of a DEM."""
     if element.find('size') is None:
         with _refused(path):
-            found = elevations.read(path, _MAX_PIXELS)
+            found = read_dem(path, _MAX_PIXELS)
         if found is not None:
             return np.array(found.size)
     return value(element, 'size', name)
@@ -83,7 +195,7 @@ def _heightmap(path: str, _: int, width: float, depth: float, top: float,
                sampling: int) -> Heightmap:
     """Return the heightmap of a file; the time of its last change makes another one of it."""
     with _refused(path):
-        found = elevations.read(path, _MAX_PIXELS)
+        found = read_dem(path, _MAX_PIXELS)
         pixels, brightest = _pixels(path) if found is None else (found.points, found.size[2])
     lowest = 0.0 if found is None else found.lowest
     rows, columns = (_coordinates(count, sampling) for count in pixels.shape)
@@ -154,7 +266,7 @@ def _refused(path: str) -> Iterator[None]:
         reason = ('its format is not supported' if type(error).__name__ == 'UnidentifiedImageError'
                   else one_line(error))
         raise SimulationError('heightmap {}: {}'.format(path, reason), (
-            'give a PNG or JPEG file, or a DEM as ' + elevations.FORMATS
+            'give a PNG or JPEG file, or a DEM as ' + FORMATS
             + '; gdal_translate of GDAL converts others'))
 
 

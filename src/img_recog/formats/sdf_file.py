@@ -10,8 +10,8 @@ import numpy as np
 
 from img_recog.errors import SimulationError
 from img_recog.files import FindFile, plain
-from img_recog.formats import (audit, gazebo_materials, generated_meshes, lights, materials,
-                               sdf_frames, sdf_models, sdf_populations, sdf_states, sdf_versions)
+from img_recog.formats import (audit, generated_meshes, materials, sdf_frames, sdf_links,
+                               sdf_models, sdf_populations, sdf_states, sdf_versions)
 from img_recog.formats.markup import MarkupError, parse_xml, read_bytes
 from img_recog.formats.reader import name_of, text_of, value, values
 from img_recog.formats.sdf_frames import Scope
@@ -23,7 +23,7 @@ from img_recog.report import NOT_DOWNLOADED, NOT_USED, Finding, Report
 from img_recog.rotations import IDENTITY, Transform
 
 _ABOVE_M = 0.005        # so that the floor is not seen in it
-_ASPHALT = gazebo_materials.named('Gazebo/Road')
+_ASPHALT = materials.gazebo_material('Gazebo/Road')
 GRAVITY: Tuple[float, ...] = (0.0, 0.0, -9.8)       # m/s2, Gazebo's default
 _MODEL_URI = 'model://'
 _GROUND_PLANE = 'ground_plane'      # its name, and in place of the path of its file
@@ -144,7 +144,7 @@ def read(root: ElementTree.Element, path: str, find: FindFile, report: Report) -
                 camera = sdf_frames.pose_of(element)
         with report.left_out():
             scene = world.find('scene')
-            surroundings = surroundings if scene is None else lights.surroundings(scene)
+            surroundings = surroundings if scene is None else sdf_links.surroundings(scene)
     # a model alone stands in Gazebo's empty world
     return WorldFile('', tuple(reader.trees), gravity, has_floor=reader.has_floor, camera=camera,
                      lights=(SUN,) if world is None else tuple(reader.lights.values()),
@@ -223,8 +223,8 @@ class _Reader:
 
     def _add_light(self, element: ElementTree.Element) -> None:
         # of two with one name, Gazebo ends
-        self.lights.setdefault(name_of(element), lights.light(element,
-                                                              sdf_frames.pose_of(element)))
+        self.lights.setdefault(name_of(element), sdf_links.light(element,
+                                                                 sdf_frames.pose_of(element)))
 
     def _included(self, include: ElementTree.Element, path: str, stack: Sequence[str]
                   ) -> List[_Found]:

@@ -1,4 +1,5 @@
 """What is in a link of an SDF: its mass and its shapes."""
+import math
 import os
 import xml.etree.ElementTree as ElementTree
 from typing import Callable, Dict, Optional, Tuple
@@ -7,15 +8,18 @@ import numpy as np
 
 from img_recog.errors import SimulationError
 from img_recog.files import FindFile, no_file
-from img_recog.formats import generated_meshes, heightmaps, inertias, materials
+from img_recog.formats import generated_meshes, heightmaps, lumping, materials
 from img_recog.formats.meshes.mesh_file import READABLE
 from img_recog.formats.reader import name_of, read, required, text_of, value, values
 from img_recog.formats.sdf_frames import pose_of
-from img_recog.model import (BOX, CYLINDER, FLOOR_FRICTION, HEIGHTMAP, MESH, PLANE, SPHERE, WHITE,
-                             Contact, Friction, Inertia, Look, Shape, Solid, Submesh)
+from img_recog.model import (BOX, CYLINDER, DIRECTIONAL, EXP, EXP2, FLOOR_FRICTION, HEIGHTMAP,
+                             LINEAR, MESH, PLANE, POINT, SPHERE, SPOT, WHITE, Contact, Fog,
+                             Friction, Inertia, Light, Look, Shape, Solid, Submesh, Surroundings)
 from img_recog.report import Report
 from img_recog.rotations import IDENTITY, Transform
 
+_KINDS = DIRECTIONAL, POINT, SPOT
+_CONE = 'inner_angle', 'outer_angle', 'falloff'
 # the fields of a Contact, below <surface> and in a tag of a URDF
 _CONTACTS = {'stiffness': ('contact/ode/kp', 'kp'), 'damping': ('contact/ode/kd', 'kd'),
              'fastest': ('contact/ode/max_vel', 'maxVel'),
@@ -30,14 +34,48 @@ TextOf = Callable[[str], Optional[str]]
 _Geometry = Tuple[Shape, Transform]
 
 
-def of_surface(collision: ElementTree.Element, link: str) -> Optional[Friction]:
+def light(element: ElementTree.Element, pose: Transform) -> Light:
+    """Return a <light>; pose: in the world, or in the link that it belongs to.
+
+    Raises SimulationError when its type is not known, or a number is wrong.
+    """
+    name = 'light {}'.format(name_of(element)).strip()
+    kind = element.get('type', POINT)
+    if kind not in _KINDS:
+        raise SimulationError('{} of type {!r}, expected {}'.format(name, kind, ', '.join(_KINDS)))
+    # as Gazebo limits them
+    constant, linear, quadratic = (
+        min(max(value(element, 'attenuation/' + tag), 0.0), largest) for tag, largest in (
+            ('constant', 1.0), ('linear', 1.0), ('quadratic', math.inf)))
+    x, y, z = value(element, 'direction').tolist()
+    inner, outer, falloff = (value(element, 'spot/' + tag) for tag in _CONE)
+    return Light(kind, pose, value(element, 'diffuse')[:3], value(element, 'specular')[:3],
+                 (x, y, z), value(element, 'attenuation/range'), (constant, linear, quadratic),
+                 (inner, outer, max(falloff, 0.0)))
+
+
+def surroundings(scene: ElementTree.Element) -> Surroundings:
+    """Return what a <scene> says; SimulationError when a number is wrong."""
+    return Surroundings(value(scene, 'ambient')[:3], value(scene, 'background')[:3],
+                        scene.find('sky') is not None, _fog(scene))
+
+
+def _fog(scene: ElementTree.Element) -> Optional[Fog]:
+    kind = text_of(scene, 'fog/type')
+    if kind not in (LINEAR, EXP, EXP2):
+        return None
+    return Fog(kind, value(scene, 'fog/color')[:3], *(
+        value(scene, 'fog/' + tag) for tag in ('start', 'end', 'density')))
+
+
+def friction_of(collision: ElementTree.Element, link: str) -> Optional[Friction]:
     """Return the friction of a <collision> of a link, in the frame of the collision; None without.
     """
     ode = collision.find('surface/friction/ode')
-    return None if ode is None else of_texts(ode.findtext, link, 'mu')
+    return None if ode is None else friction_of_texts(ode.findtext, link, 'mu')
 
 
-def of_texts(text_of: TextOf, link: str, mu: str) -> Optional[Friction]:
+def friction_of_texts(text_of: TextOf, link: str, mu: str) -> Optional[Friction]:
     """Return the friction of elements, None if none of them is given.
 
     text_of: returns the text of an element, None without; mu: the element of the first
@@ -83,11 +121,11 @@ def inertia(link: ElementTree.Element, offset: Transform, report: Report) -> Ine
     cannot be simulated as it is.
     """
     name, mass, given = name_of(link), value(link, 'inertial/mass'), link.find('inertial')
-    inertias.check_mass('<mass> of link ' + name, mass)
+    lumping.check_mass('<mass> of link ' + name, mass)
     matrix = np.array([value(link, 'inertial/inertia/' + key)
-                       for key in inertias.INERTIA_KEYS]).reshape(3, 3)
+                       for key in lumping.INERTIA_KEYS]).reshape(3, 3)
     return Inertia(mass, offset if given is None else offset @ pose_of(given),
-                   inertias.possible('link ' + name, mass, matrix, report))
+                   lumping.possible_inertia('link ' + name, mass, matrix, report))
 
 
 def decay(link: ElementTree.Element) -> Tuple[float, float]:

@@ -6,7 +6,7 @@ from typing import Dict, Iterable, List, Mapping, Optional, Sequence, Tuple
 import numpy as np
 
 from img_recog.files import FindFile
-from img_recog.formats import lights, lumping, sdf_links, sdf_states
+from img_recog.formats import lumping, sdf_links, sdf_states
 from img_recog.formats.reader import name_of, value
 from img_recog.formats.sdf_frames import WORLD, pose_of
 from img_recog.formats.sdf_joints import NO_LIMIT, SCREW, Axis, Joints, SdfJoint, SdfLink
@@ -159,14 +159,14 @@ class _Builder:
         lamps: List[Light] = []
         for light in link.element.findall('light'):
             with self._report.left_out():
-                lamps.append(lights.light(light, offset @ scope.pose(light)))
+                lamps.append(sdf_links.light(light, offset @ scope.pose(light)))
         solids: List[Solid] = []
         for collision in link.element.findall('collision'):
             with self._report.left_out():
                 solid = sdf_links.solid(collision, IDENTITY, self._find)
                 with self._report.left_out():
                     solid = solid._replace(
-                        friction=sdf_links.of_surface(collision, link.name),
+                        friction=sdf_links.friction_of(collision, link.name),
                         contact=sdf_links.contact_of(collision, link.name, lambda _: None))
                 solid = solid.moved(scope.pose(collision))
                 if solid.shape.kind in (HEIGHTMAP, PLANE):

@@ -10,7 +10,7 @@ import numpy as np
 
 from img_recog.errors import SimulationError
 from img_recog.files import FindFile
-from img_recog.formats import drive_controllers, inertias, lights, materials, sdf_links
+from img_recog.formats import drive_controllers, lumping, materials, sdf_links
 from img_recog.formats.drive_controllers import FindControllers
 from img_recog.formats.markup import MarkupError, check_expanded, parse_xml
 from img_recog.formats.meshes.mesh_file import READABLE
@@ -89,7 +89,7 @@ class Links:
                   for element, shape in kept['collision']]
         if lost['collision'] and not solids:
             solids = [Solid(look.shape, look.pose, friction) for look in looks]
-        lamps = [lights.light(light, pose_of(light)) for tag in self._tags_of(name)
+        lamps = [sdf_links.light(light, pose_of(light)) for tag in self._tags_of(name)
                  for light in tag.findall('light')]
         return Link(name, _inertia(link), tuple(solids), tuple(looks), _contact(link),
                     lights=tuple(lamps), **self._motion(name))
@@ -132,7 +132,7 @@ class Links:
                friction: Optional[Friction]) -> Solid:
         if friction is None:
             # Gazebo reads it only in an SDF: who writes it here means it for all directions
-            friction = sdf_links.of_surface(element, link)
+            friction = sdf_links.friction_of(element, link)
             if friction is not None and element.find('surface/friction/ode/mu2') is None:
                 friction = Friction(friction.mu)
         bitmasks = [bitmask(collision) for tag in self._tags_of(link)
@@ -159,8 +159,8 @@ class Links:
         or that of a collision there, else PyBullet's <lateral_friction>; None without.
         """
         name = name_of(link)
-        found = [sdf_links.of_texts(self._text_of_tags(name), name, 'mu1'),
-                 *(sdf_links.of_surface(collision, name)
+        found = [sdf_links.friction_of_texts(self._text_of_tags(name), name, 'mu1'),
+                 *(sdf_links.friction_of(collision, name)
                    for tag in self._tags_of(name) for collision in tag.findall('collision'))]
         of_link = link.find('contact/lateral_friction')
         if of_link is not None:
@@ -240,11 +240,11 @@ def _inertia(link: ElementTree.Element) -> Optional[Inertia]:
     if mass is None or inertia is None:
         raise SimulationError('link {}: <inertial> must have <mass> and <inertia>'.format(name))
     kilograms = read_text('mass', mass.get('value'), 'mass of link ' + name)
-    values = ' '.join(inertia.get(key, '0') for key in inertias.INERTIA_KEYS)
+    values = ' '.join(inertia.get(key, '0') for key in lumping.INERTIA_KEYS)
     matrix = read_text('9numbers', values, 'inertia of link ' + name).reshape(3, 3)
     if kilograms == 0:
         return NO_INERTIA
-    inertias.check_mass('mass of link ' + name, kilograms, ' (or no <inertial>)')
+    lumping.check_mass('mass of link ' + name, kilograms, ' (or no <inertial>)')
     return Inertia(kilograms, origin_of(inertial), matrix)
 
 

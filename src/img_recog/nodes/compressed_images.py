@@ -12,9 +12,9 @@ from img_recog.conversions.compressed_image_msgs import CompressionSettings
 from img_recog.conversions.image_msgs import ImageError
 from img_recog.ros import lifecycle, parameters
 from img_recog.ros.diagnostics import EventCounter
-from img_recog.ros.log.throttle import ThrottledWarning
 from img_recog.ros.queues import LatestValue
 from img_recog.ros.reconfigure import Reconfigurable
+from img_recog.ros.throttle import ThrottledWarning
 from img_recog.ros.transport.direct_publisher import DirectPublisher
 from img_recog.ros.transport.redelivery import Redelivery
 

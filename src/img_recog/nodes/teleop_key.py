@@ -24,7 +24,7 @@ from img_recog.ros import lifecycle, parameters
 from img_recog.ros.diagnostics import EventCounter, NodeDiagnostics, add_counter
 from img_recog.ros.stopping_publisher import StoppingPublisher
 from img_recog.ros.yielding import Yielding
-from img_recog.teleoperation.profile import PERIOD_S, TeleopSettings, VelocityProfile
+from img_recog.teleoperation import PERIOD_S, TeleopSettings, VelocityProfile
 
 # set by launch files that start more than this node; a parameter would stay for the next teleop
 _NO_KEYS = 'IMG_RECOG_NO_KEYS'

@@ -33,6 +33,13 @@ def add_topic(parser: argparse.ArgumentParser) -> None:
                         'or the only topic with images)'.format(' or '.join(DEFAULT_TOPICS)))
 
 
+def add_output(parser: argparse.ArgumentParser, names: str) -> None:
+    """Add the option --output; names: of the files that are written without it."""
+    parser.add_argument('--output', default='', metavar='FOLDER_OR_PREFIX',
+                        help='where to write the files (default: {} in the current folder)'.format(
+                            names))
+
+
 def expand(names: Sequence[str], warn: Callable[[str], None] = lambda _: None) -> List[str]:
     """Return the paths of the recordings that names mean, each once, in the order of the names.
 

@@ -13,7 +13,7 @@ from img_recog.recognition.areas import ColorExtractor
 from img_recog.recognition.commands import POLL_PERIOD_S, STOP, Command, Commander
 from img_recog.recognition.recognition_settings import RecognitionSettings
 from img_recog.recordings.frames import SECOND_NS, Frame, Frames
-from img_recog.teleoperation.profile import PERIOD_S
+from img_recog.teleoperation import PERIOD_S
 
 if TYPE_CHECKING:       # they import PyBullet, which film.py does not need
     from img_recog.simulation.physics.body import Motion

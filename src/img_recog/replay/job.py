@@ -28,7 +28,7 @@ from img_recog.replay.chain import Chain, ColorRecognition, Recognition, Recorde
 from img_recog.replay.recorders import BagRecorder, PlotRecorder, TableRecorder
 from img_recog.settings import SettingError
 from img_recog.simulation.physics.body import Motion
-from img_recog.simulation.physics.footprints import footprints
+from img_recog.simulation.pictures.footprints import footprints
 from img_recog.simulation.simulation_settings import SpawnSettings
 from img_recog.simulation.simulator import Simulator
 
@@ -224,9 +224,7 @@ def _parser() -> argparse.ArgumentParser:
                         help='with --recognize: end at the first frame for which it fails')
     parser.add_argument('--calibration', default='', metavar='YAML',
                         help='with --recognize: calibration of the camera of the recording')
-    parser.add_argument('--output', default='', metavar='FOLDER_OR_PREFIX',
-                        help='where to write the files (default: NAME.replay.bag, .csv and .png '
-                        'in the current folder)')
+    recording_names.add_output(parser, 'NAME.replay.bag, .csv and .png')
     parser.add_argument('--film', action='store_true',
                         help='also write a film, NAME.replay.mp4, of camera, masked images, map '
                         'and charts')

@@ -16,8 +16,7 @@ import rospy
 
 from img_recog.errors import UserError, one_line, shortened
 from img_recog.processes import signals
-from img_recog.ros.log import log_handlers
-from img_recog.ros.master import master_watch
+from img_recog.ros import log_handlers, master_watch
 from img_recog.ros.transport import own_time, rosout
 from img_recog.settings import ParameterError, SettingError, Settings, allowed_text, setting_fields
 

@@ -58,7 +58,8 @@ class Guard:
             states = {body: state if body.body_id in still else body.state()
                       for body, state in self._states.items()}
             self._asleep = asleep
-            is_well = all(map(_is_small, states.values()))
+            is_well = all(_is_small(state) for body, state in states.items()
+                          if body.body_id not in still)
             if is_well:
                 self._states, self._saved_at = states, steps
         else:

@@ -20,7 +20,7 @@ from std_srvs.srv import Trigger
 
 from img_recog.errors import UserError, one_line
 from img_recog.ros import timed_xmlrpc
-from img_recog.ros.master.connections import Connections
+from img_recog.ros.connections import Connections
 from img_recog.ros.timed_xmlrpc import Master
 from img_recog.testing.launching import Launch, LaunchFile, of_reasons
 from img_recog.testing.topics import Topics

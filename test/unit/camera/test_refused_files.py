@@ -32,8 +32,8 @@ def devices(monkeypatch):
     return found
 
 
-ADVICE = ('set a device, a video, an image, synthetic or auto, with ./run demo and roslaunch as '
-          'camera:=synthetic, with rosrun as _video_device:=synthetic')
+ADVICE = ('give a device, a video, an image, synthetic or auto: camera:=synthetic to ./run demo '
+          'and roslaunch, _video_device:=synthetic to rosrun')
 
 
 @pytest.mark.parametrize('found, listed', [((), 'no /dev/video*'),

@@ -10,7 +10,7 @@ from img_recog.conversions.robot_cameras import DrawnCamera
 from img_recog.model import BOX, Shape
 from img_recog.rendering import lens_views
 from img_recog.rendering.camera import Camera
-from img_recog.rendering.rays import slopes
+from img_recog.rendering.lens_views import slopes
 from img_recog.simulation.simulation_settings import CameraSettings
 from img_recog_helpers.drawn import GREEN, HERE, at, loaded, scene, visual
 

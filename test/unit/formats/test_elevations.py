@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from PIL import Image, TiffImagePlugin
 
-from img_recog.formats import elevations, heightmaps
+from img_recog.formats import heightmaps
 from img_recog_helpers.refusals import refusal
 
 POINTS = [(0, 0), (5, 5), (-5, 5), (5, -5), (-8, 0), (8, 2)]
@@ -122,7 +122,7 @@ def test_size_of_the_ground(tmp_path, write, width, depth):
 
 def test_a_tiff_of_floats_without_a_place_on_earth_is_an_image(tmp_path):
     Image.fromarray(hills()).save(str(tmp_path / 'a.tif'))
-    assert elevations.read(str(tmp_path / 'a.tif'), 10000) is None
+    assert heightmaps.read_dem(str(tmp_path / 'a.tif'), 10000) is None
 
 
 @pytest.mark.parametrize('name, content, words', [

@@ -1,7 +1,7 @@
 """The materials of Gazebo 11's gazebo.material, all of them."""
 import pytest
 
-from img_recog.formats import gazebo_materials
+from img_recog.formats import materials
 
 NAMES = '''
 Grey DarkGrey White FlatBlack Black Red RedBright Green Blue SkyBlue Yellow ZincYellow DarkYellow
@@ -19,10 +19,10 @@ XYZPoints LaserScan1st LaserScan2nd Gray DarkGray'''.split()
 
 @pytest.mark.parametrize('name', ['Gazebo/' + name for name in NAMES] + ['drc/san_fauxcity_sign'])
 def test_every_material_has_a_color(name):
-    material = gazebo_materials.named(name)
+    material = materials.gazebo_material(name)
     assert 0 <= min(material.color) and max(material.color) <= 1 and material.color[3] > 0
 
 
 @pytest.mark.parametrize('name', ['Gazebo/Plaid', 'Grey', 'Shop/Grey', ''])
 def test_other_names_are_unknown(name):
-    assert gazebo_materials.named(name) is None
+    assert materials.gazebo_material(name) is None

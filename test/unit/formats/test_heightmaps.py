@@ -9,10 +9,10 @@ from PIL import Image
 from img_recog.formats import heightmaps, world_file
 from img_recog.formats.meshes import mesh_file
 from img_recog.model import BOX, HEIGHTMAP, Material, Shape
-from img_recog.simulation.physics import footprints
 from img_recog.simulation.physics.client import connect
 from img_recog.simulation.physics.solids import Bundles
 from img_recog.simulation.physics.world import World
+from img_recog.simulation.pictures import footprints
 from img_recog.simulation.simulation_settings import PhysicsSettings
 from img_recog_helpers.refusals import refusal
 from img_recog_helpers.sdf import sdf

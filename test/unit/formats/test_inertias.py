@@ -2,7 +2,7 @@
 import numpy as np
 import pytest
 
-from img_recog.formats import inertias
+from img_recog.formats import lumping
 from img_recog.report import Report
 from img_recog_helpers.refusals import refusal
 
@@ -12,7 +12,7 @@ TURN = np.array([[0.36, 0.48, -0.8], [-0.8, 0.6, 0.0], [0.48, 0.64, 0.6]])
 def possible(*arguments):
     """Return an inertia, and the line about it or ''."""
     report = Report()
-    return inertias.possible(*arguments, report), ''.join(report.lines())
+    return lumping.possible_inertia(*arguments, report), ''.join(report.lines())
 
 
 @pytest.mark.parametrize('moments', [(1, 2, 2.99), (1, 2, 2.9999), (2, 2, 2), (1e-9, 1e-9, 1e-9),
@@ -54,7 +54,7 @@ def test_a_body_without_any_moment_gets_those_of_a_small_one(given):
 
 @pytest.mark.parametrize('moment, text', [(1.1e15, '1.1e+15'), (1e15 + 0.5, '1e+15')])
 def test_moments_that_are_too_large_are_refused(moment, text):
-    assert refusal(inertias.possible, 'l', 1.0, np.diag((1, moment, 1)), Report()) == (
+    assert refusal(lumping.possible_inertia, 'l', 1.0, np.diag((1, moment, 1)), Report()) == (
         'l: got the moment of inertia {} kg m2, expected at most 1e+15'.format(text))
 
 
@@ -79,6 +79,6 @@ def test_a_small_change_is_not_worth_a_warning(excess, is_said):
     (1e-21, 'got 1e-21 kg, expected more than 0'), (1.1e9, 'kg, expected at most 1e+09')])
 def test_masses_that_are_refused(mass, words):
     for good in (1e-20, 1, 1e9):
-        inertias.check_mass('m', good)
-    line = refusal(inertias.check_mass, 'm', mass, ' or none')
+        lumping.check_mass('m', good)
+    line = refusal(lumping.check_mass, 'm', mass, ' or none')
     assert line.startswith('m: got ') and line.endswith(words + ' or none')

@@ -3,7 +3,7 @@ import cv2
 import numpy as np
 import pytest
 
-from img_recog.recognition import excluded
+from img_recog.batch import fit_report
 from img_recog.recognition.areas import ColorExtractor
 from img_recog.recognition.recognition_settings import with_colors
 
@@ -13,7 +13,7 @@ AROUND = with_colors(['red'])(red_hue_min=170, red_hue_max=10)
 
 def lines(image, settings):
     extractor = ColorExtractor(settings)
-    return excluded.lines(extractor, extractor.measure(image), settings)
+    return fit_report.lines(extractor, extractor.measure(image), settings)
 
 
 def one_color(hue, saturation=200, value=200, size=(4, 5)):

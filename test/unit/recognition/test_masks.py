@@ -3,9 +3,9 @@ import cv2
 import numpy as np
 import pytest
 
-from img_recog.recognition import masks as masks_module
+from img_recog.recognition import areas
+from img_recog.recognition.areas import Masks
 from img_recog.recognition.candidates import Search
-from img_recog.recognition.masks import Masks
 from img_recog.recognition.recognition_settings import with_colors
 from img_recog_helpers import plain_opencv
 
@@ -54,7 +54,7 @@ def test_every_bgr_color():
 def set_strip_px(monkeypatch, size_px):
     """Let masks be computed in strips of this size."""
     for name in ('_MIN_STRIP_PX', '_MAX_STRIP_PX'):
-        monkeypatch.setattr(masks_module, name, size_px)
+        monkeypatch.setattr(areas, name, size_px)
 
 
 @pytest.mark.parametrize('given', [

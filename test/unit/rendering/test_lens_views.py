@@ -10,7 +10,7 @@ from img_recog.formats.lenses import Distortion, Lens
 from img_recog.model import BOX, SPHERE, Shape, Surroundings
 from img_recog.rendering import lens_views, matrices
 from img_recog.rendering.camera import Camera, View, ImageEdges
-from img_recog.rendering.rays import directions
+from img_recog.rendering.lens_views import directions
 from img_recog_helpers.drawn import (HERE, RED, at, centroid, loaded, scene, sky_color,
                                      visual)
 

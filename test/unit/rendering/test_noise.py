@@ -2,7 +2,7 @@
 import numpy as np
 import pytest
 
-from img_recog.rendering.noise import PixelNoise
+from img_recog.rendering.light import PixelNoise
 
 
 @pytest.fixture(scope='module')

@@ -8,7 +8,7 @@ import pytest
 from img_recog.formats import lenses
 from img_recog.formats.lenses import Distortion, Lens
 from img_recog.rendering.camera import Camera
-from img_recog.rendering.rays import directions, model_of
+from img_recog.rendering.lens_views import directions, model_of
 
 CUSTOM = lenses.scaled_to(Lens(1.05, 4.0, 0.0, 'tan'), 3.183)
 

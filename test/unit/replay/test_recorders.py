@@ -17,7 +17,7 @@ from img_recog.replay import figure, plot_data
 from img_recog.replay.chain import Chain, ColorRecognition, CommandSent, FrameResult
 from img_recog.replay.recorders import BagRecorder, PlotRecorder, TableRecorder
 from img_recog.simulation.physics.body import Motion
-from img_recog.simulation.physics.footprints import footprints
+from img_recog.simulation.pictures.footprints import footprints
 from img_recog_helpers import robots
 from img_recog_helpers.replaying import BLUE, RED, EventLog, frame
 

@@ -4,7 +4,8 @@ Subscribes to usb_cam/image_raw (sensor_msgs/Image, any encoding that cv_bridge 
 or, if ~image_transport is compressed, to usb_cam/image_raw/compressed
 (sensor_msgs/CompressedImage).
 Publishes for each processed frame: cmd_vel (geometry_msgs/Twist, one message for each color above
-its area limit: linear.x 10 m/s for blue, then -10 m/s for red), then blue_image and red_image
+its area limit: linear.x 10 m/s for blue, then -10 m/s for red); a line with the areas on /rosout,
+whose time is before the commands; then blue_image and red_image
 (sensor_msgs/Image, bgr8, with the header of the frame: the frame with all other pixels black).
 Only if there are subscribers: color_detection (sensor_msgs/PointCloud: areas and centroids) and
 color_overlay (sensor_msgs/Image, bgr8: the frame with outlines and commands). ~processed
@@ -47,9 +48,9 @@ from img_recog.recognition.recognition_settings import (DEFAULT_COLORS, Recognit
 from img_recog.ros import lifecycle, parameters
 from img_recog.ros.diagnostics import (MIN_SHARE, Durations, EventCounter, NodeDiagnostics,
                                        Refusals, add_counter, add_durations, add_refusals)
-from img_recog.ros.log.throttle import ChangeThrottle, ThrottledWarning
 from img_recog.ros.queues import LatestValue
 from img_recog.ros.reconfigure import Reconfigurable
+from img_recog.ros.throttle import ChangeThrottle, ThrottledWarning
 from img_recog.ros.transport.direct_publisher import DirectPublisher
 from img_recog.ros.transport.image_publisher import ImagePublisher
 from img_recog.ros.transport.image_subscriber import ImageSubscriber
@@ -323,16 +324,15 @@ class ColorExtract:
             self._warn('frame skipped: %s', error)
             return
         commands = self._commander.decide(areas_px, time.monotonic())
+        # The line has its time before the commands, as in the article. Writing it, and all else,
+        # comes after them, so that it does not delay them.
+        self._line.take_time()
         self._publish_commands(commands)
         self._counts.count_latency(rospy.get_time(), msg.header.stamp.to_sec())
-        # all else comes after the commands, so as not to delay them
-        line = ', '.join('{}={}'.format(name, area_px) for name, area_px
-                         in zip(self._settings.color_names, areas_px))
-        # /rosout and the log file have the line of each frame, as in the article
-        if self._shown.shows(self._commander.frame_commands):
-            rospy.loginfo(line)
-        else:
-            self._line.write(line)
+        # the terminal has only the lines of frames with other commands
+        self._line.write(', '.join('{}={}'.format(name, area_px) for name, area_px
+                                   in zip(self._settings.color_names, areas_px)),
+                         self._shown.shows(self._commander.frame_commands))
         self._publish_images(msg.header, areas_px, commands)
         self._counts.processed.add()
         self._counts.processing.add(time.perf_counter() - begin_s)

@@ -15,7 +15,7 @@ from img_recog import rotations
 from img_recog.conversions import image_msgs, robot_cameras, robot_msgs
 from img_recog.conversions.robot_cameras import DrawnCamera
 from img_recog.nodes.compressed_images import CompressedImages, publisher
-from img_recog.rendering import rays
+from img_recog.rendering import lens_views
 from img_recog.rendering.camera import Camera
 from img_recog.rendering.server import Picture, Shot
 from img_recog.ros.transport.image_publisher import ImagePublisher, LargePublisher
@@ -118,7 +118,7 @@ class CameraTopics:
         if self._points is not None and self._is_used(self._points):
             self._points.publish_data(
                 partial(robot_cameras.draw_points, depths=depth, image=image,
-                        slopes=rays.slopes(self.camera)),
+                        slopes=lens_views.slopes(self.camera)),
                 (*depth.shape, robot_cameras.POINT_BYTES),
                 robot_cameras.cloud_without_points(depth, header))
 

@@ -1,10 +1,16 @@
 """Simulated time as others see it: /clock, and how fast it passes."""
+from typing import Tuple
+
 import rospy
+from diagnostic_msgs.msg import DiagnosticStatus
+from diagnostic_updater import DiagnosticStatusWrapper
 from rosgraph_msgs.msg import Clock
 from std_msgs.msg import Float64
 
 from img_recog.conversions import robot_msgs
-from img_recog.ros.master import master
+from img_recog.nodes.gazebo.time_gate import TimeGate
+from img_recog.ros import master_calls
+from img_recog.ros.diagnostics import MIN_SHARE, Durations, add_durations
 from img_recog.ros.transport import own_time
 from img_recog.ros.transport.direct_publisher import DirectPublisher
 from img_recog.simulation.pacing import Pace
@@ -12,15 +18,20 @@ from img_recog.simulation.simulator import Simulator
 
 
 class SimulatedClock:
-    """Publishes /clock (rosgraph_msgs/Clock) and ~real_time_factor (std_msgs/Float64)."""
+    """Publishes /clock (rosgraph_msgs/Clock) and ~real_time_factor (std_msgs/Float64).
 
-    def __init__(self, simulator: Simulator, pace: Pace):
+    Attributes:
+        periods: Durations of the simulation of a clock period, without waiting.
+    """
+
+    def __init__(self, simulator: Simulator, pace: Pace, gate: TimeGate):
         """Advertise; log a warning if another node publishes /clock."""
-        self._simulator, self._pace = simulator, pace
+        self._simulator, self._pace, self._gate = simulator, pace, gate
+        self.periods = Durations()
         self._times, self._msg = DirectPublisher('/clock', Clock, latch=True), Clock()
         self._factors = rospy.Publisher('~real_time_factor', Float64, queue_size=1, latch=True)
         name = rospy.get_name()
-        others = sorted(set(master.calls().state().published.get('/clock', ())) - {name})
+        others = sorted(set(master_calls.calls().state().published.get('/clock', ())) - {name})
         if others:
             rospy.logwarn('/clock has another publisher, %s: two simulations mix up time, tf and '
                           'odometry; stop one of them', ', '.join(others))
@@ -48,3 +59,21 @@ class SimulatedClock:
                           self._pace.wanted, self._pace.measured)
         elif is_slow is not None:
             rospy.loginfo('simulated time keeps up again, the factor is %.2f', self._pace.measured)
+
+    def report(self, status: DiagnosticStatusWrapper) -> None:
+        """Fill in a status; to be called once in each period, in any thread."""
+        status.summary(*_summary(self._pace, self._gate.is_paused))
+        status.add('simulated time (s)', '{:.2f}'.format(self._simulator.time_s))
+        status.add('real time factor', '{:.2f}'.format(self._pace.measured))
+        status.add('wanted real time factor', '{:g}'.format(self._pace.wanted))
+        add_durations(status, 'clock period', self.periods)
+
+
+def _summary(pace: Pace, is_paused: bool) -> Tuple[int, str]:
+    if is_paused:
+        return DiagnosticStatus.OK, 'paused'
+    if 0 < pace.measured < MIN_SHARE * pace.wanted:
+        return DiagnosticStatus.WARN, (
+            'too slow: real time factor {:.2f} instead of {:g}; use a smaller real_time_factor, '
+            'or close windows'.format(pace.measured, pace.wanted))
+    return DiagnosticStatus.OK, 'real time factor {:.2f}'.format(pace.measured)

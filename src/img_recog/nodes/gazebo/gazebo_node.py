@@ -54,7 +54,6 @@ from img_recog.nodes.gazebo.physics_services import (RuntimeSettings, ServiceCal
 from img_recog.nodes.gazebo.robot_reader import (ROBOTS, RobotReader, RobotsSettings,
                                                  robot_settings_classes)
 from img_recog.nodes.gazebo.robot_updates import RobotUpdates
-from img_recog.nodes.gazebo.simulation_diagnostics import SimulationDiagnostics
 from img_recog.nodes.gazebo.time_gate import Mode, TimeGate, Wait
 from img_recog.nodes.gazebo.transforms import StaticTransforms
 from img_recog.ros import lifecycle, parameters
@@ -62,7 +61,7 @@ from img_recog.ros.diagnostics import NodeDiagnostics
 from img_recog.ros.reconfigure import Reconfigurable
 from img_recog.simulation.models import Models
 from img_recog.simulation.pacing import Pace, timeout_scale
-from img_recog.simulation.physics.footprints import footprints
+from img_recog.simulation.pictures.footprints import footprints
 from img_recog.simulation.simulation_settings import PhysicsSettings, ViewSettings, whole_steps
 
 _SETTINGS = (PhysicsSettings, ViewSettings, RobotsSettings, LockstepSettings, SteppingSettings,
@@ -95,10 +94,10 @@ class Gazebo:
             rospy.logwarn('%s', line)
         report.listen(lambda line: rospy.logwarn('%s', line))
         self._pace = Pace(physics.real_time_factor)
-        self._clock = SimulatedClock(self._simulator, self._pace)
         self._calls = ServiceCalls()
         self._gate = TimeGate(Mode.PAUSED if stepping.paused else Mode.RUNNING, self._calls.wake,
                               lockstep.lockstep_timeout if lockstep.topics else None)
+        self._clock = SimulatedClock(self._simulator, self._pace, self._gate)
         serve_physics(self._calls, {
             'pause_physics': partial(self._gate.change, 'pause'),
             'unpause_physics': partial(self._gate.change, 'unpause'),
@@ -139,7 +138,6 @@ class Gazebo:
         self._outlines = rospy.Publisher('~world_outlines', MarkerArray, queue_size=1, latch=True)
         self._outlines_frame = frame, origin
         self._publish_outlines()
-        self._diagnostics = SimulationDiagnostics(self._pace, self._gate, self._calls)
         self._topics.use_diagnostics(NodeDiagnostics('simulation', 'none', self._report))
         if single is None:
             rospy.loginfo('simulating %d robots in world %s', len(self._simulator.robots),
@@ -216,7 +214,7 @@ class Gazebo:
         self._clock.flush()
         self._lockstep.expect(readings, self._topics.namespaces)
         self._images.draw(readings, lambda: self._topics.publish(readings))
-        self._diagnostics.steps.add(
+        self._clock.periods.add(
             (time.perf_counter() - begin_s) * self._clock_steps / (end - begin))
         return (end - begin) * self._simulator.world.step_s
 
@@ -246,7 +244,8 @@ class Gazebo:
 
     def _report(self, status: DiagnosticStatusWrapper) -> None:
         """Fill in the status of /diagnostics; runs in its thread and only reads."""
-        self._diagnostics.report(status, self._simulator.time_s)
+        self._clock.report(status)
+        self._calls.report(status)
         self._topics.report(status)
         self._images.report(status)
 

@@ -13,13 +13,13 @@ import rospy
 from img_recog.conversions import robot_msgs
 from img_recog.errors import SimulationError, UserError, one_line
 from img_recog.nodes.gazebo.time_gate import TimeGate, Wait
-from img_recog.ros.log.throttle import ThrottledWarning
-from img_recog.ros.master.connections import Connections
+from img_recog.ros.connections import Connections
+from img_recog.ros.throttle import ThrottledWarning
 from img_recog.ros.transport.redelivery import Redelivery
 from img_recog.ros.transport.settled_subscriber import SettledSubscriber
 from img_recog.settings import Allowed, Settings, above, one_of, setting
-from img_recog.simulation.simulated_model import Reading
 from img_recog.simulation.sensors.robot_camera import CAMERA
+from img_recog.simulation.simulated_model import Reading
 from img_recog.simulation.simulator import Simulator
 
 # kinds of sensors by the names that users give

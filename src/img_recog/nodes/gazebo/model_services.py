@@ -20,8 +20,8 @@ from img_recog.nodes.gazebo.model_topics import WorldTopics
 from img_recog.nodes.gazebo.physics_services import RuntimeSettings, ServiceCalls
 from img_recog.nodes.gazebo.robot_reader import RobotReader
 from img_recog.nodes.gazebo.time_gate import TimeGate
-from img_recog.ros.log.throttle import ThrottledWarning
 from img_recog.report import Report
+from img_recog.ros.throttle import ThrottledWarning
 from img_recog.rotations import Transform
 from img_recog.simulation.models import LINK_SEPARATOR, WORLD, Models, State, check, in_world
 from img_recog.simulation.pacing import Pace

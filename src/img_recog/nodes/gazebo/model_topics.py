@@ -10,16 +10,16 @@ from img_recog.conversions.plane_msgs import PlanePose, PoseError
 from img_recog.conversions.sensor_table import SENSORS
 from img_recog.conversions.topic_checks import check_topics
 from img_recog.errors import SimulationError, UserError, one_line
+from img_recog.nodes.gazebo.command_counts import CommandCounts
 from img_recog.nodes.gazebo.images import Images
 from img_recog.nodes.gazebo.lockstep import Lockstep
 from img_recog.nodes.gazebo.physics_services import ServiceCalls
 from img_recog.nodes.gazebo.robot_reader import in_namespace
-from img_recog.nodes.gazebo.simulation_diagnostics import CommandCounts
 from img_recog.nodes.gazebo.transforms import StaticTransforms, Transforms, plane_transform
 from img_recog.report import Report
 from img_recog.ros.diagnostics import NodeDiagnostics
-from img_recog.ros.log.throttle import Throttle, ThrottledWarning
 from img_recog.ros.queues import LatestValue
+from img_recog.ros.throttle import Throttle, ThrottledWarning
 from img_recog.ros.transport.direct_publisher import DirectPublisher
 from img_recog.simulation import assembly
 from img_recog.simulation.configured_model import ConfiguredModel
@@ -240,7 +240,8 @@ class WorldTopics:
         self._transforms = Transforms()
         self._timeout_scale = 1.0
         self._topics: Dict[str, ModelTopics] = {}       # by the names of bodies
-        self._robots: Dict[str, RobotTopics] = {}       # the robots among them
+        # the robots among them; replaced as a whole, because /diagnostics reads it in its thread
+        self._robots: Dict[str, RobotTopics] = {}
 
     def add(self, spec: ConfiguredModel) -> None:
         """Add a robot, apart from the others and the walls, and log its warnings.
@@ -297,8 +298,8 @@ class WorldTopics:
             self._topics[name] = ModelTopics(mounted)
             return
         model.drive.scale_timeout(self._timeout_scale)
-        self._topics[name] = self._robots[name] = RobotTopics(
-            model, self._transforms, self._calls, self._lockstep)
+        robot = RobotTopics(model, self._transforms, self._calls, self._lockstep)
+        self._topics[name], self._robots = robot, {**self._robots, name: robot}
         odometry = model.odometry
         if self._world_tf and spec.names.namespace and odometry.publish_odom_tf:
             self._statics.set('world of ' + name, [plane_transform(
@@ -328,7 +329,9 @@ class WorldTopics:
             if topics is None:
                 continue
             topics.close()
-            if self._robots.pop(mounted.body.name, None):
+            if topics in self._robots.values():
+                self._robots = {key: each for key, each in self._robots.items()
+                                if each is not topics}
                 namespace = topics.spec.names.namespace
                 if self._diagnostics is not None and namespace:
                     self._diagnostics.remove(mounted.body.name)
@@ -389,6 +392,6 @@ class WorldTopics:
 
     def report(self, status: DiagnosticStatusWrapper) -> None:
         """Add the robot without a namespace to a status; to be called once in each period."""
-        for robot in list(self._robots.values()):
+        for robot in self._robots.values():
             if not robot.spec.names.namespace:
                 robot.report(status)

@@ -6,6 +6,7 @@ from functools import partial
 from typing import Any, Callable, Mapping
 
 import rospy
+from diagnostic_updater import DiagnosticStatusWrapper
 from std_srvs.srv import Empty, EmptyResponse, Trigger, TriggerRequest, TriggerResponse
 
 from img_recog.errors import SimulationError, UserError, one_line
@@ -61,6 +62,11 @@ class ServiceCalls(CallQueue):
             self.late.add()
             raise SimulationError('the simulation did not answer within {:g} s'.format(timeout_s),
                                   'wait and look: what it has begun, it completes')
+
+    def report(self, status: DiagnosticStatusWrapper) -> None:
+        """Add to a status how many calls wait, and were late; may be called in any thread."""
+        status.add('waiting service calls', str(len(self)))
+        status.add('service calls that timed out', str(self.late.total))
 
 
 def serve_physics(calls: ServiceCalls, actions: Mapping[str, Callable[[], None]]) -> None:

@@ -16,10 +16,9 @@ from img_recog.model import Tree
 from img_recog.ros import parameters
 from img_recog.settings import ParameterError, Settings, setting, setting_fields, unknown
 from img_recog.simulation import configured_model
-from img_recog.simulation.simulation_settings import Names, topic_fields
 from img_recog.simulation.configured_model import ConfiguredModel
-from img_recog.simulation.simulation_settings import (CameraSettings, DriveSettings, NoiseSettings,
-                                                      SpawnSettings)
+from img_recog.simulation.simulation_settings import (CameraSettings, DriveSettings, Names,
+                                                      NoiseSettings, SpawnSettings, topic_fields)
 
 ROBOTS = '~robots'
 _MAX_NAME = 100         # characters

@@ -29,8 +29,8 @@ from img_recog.nodes.robots.robot_list import NodeSettings, RobotRow
 from img_recog.nodes.robots.robot_nodes import RobotNodes
 from img_recog.recognition import parameter_file
 from img_recog.ros import lifecycle, parameters
-from img_recog.ros.log.throttle import ThrottledWarning
 from img_recog.ros.queues import CallQueue
+from img_recog.ros.throttle import ThrottledWarning
 from img_recog.settings import Settings, not_empty, setting
 
 _PERIOD_S = 0.5

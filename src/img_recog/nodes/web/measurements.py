@@ -16,7 +16,7 @@ from visualization_msgs.msg import MarkerArray
 from img_recog.conversions import color_detection_msgs, plane_msgs
 from img_recog.errors import one_line
 from img_recog.nodes.web.updates import Updates
-from img_recog.ros.log.throttle import ThrottledWarning
+from img_recog.ros.throttle import ThrottledWarning
 
 _DIGITS = 4             # of a number, after the decimal point
 PLACES_PERIOD_S = 0.2

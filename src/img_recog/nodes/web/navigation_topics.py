@@ -18,7 +18,7 @@ from img_recog.conversions import plane_msgs
 from img_recog.conversions.plane_msgs import PlanePose
 from img_recog.nodes.web.measurements import Topic, WatchedTopics, number, rounded
 from img_recog.nodes.web.simulation_service import place_to_msg
-from img_recog.ros.log.throttle import ThrottledWarning
+from img_recog.ros.throttle import ThrottledWarning
 
 try:
     from map_msgs.msg import OccupancyGridUpdate

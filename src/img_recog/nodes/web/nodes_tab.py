@@ -9,7 +9,7 @@ from img_recog.errors import shortened
 from img_recog.nodes.web.measurements import Topic, number
 from img_recog.nodes.web.page_elements import Visit
 from img_recog.nodes.web.updates import MAX_STATES, Updates
-from img_recog.ros.log.throttle import ThrottledWarning
+from img_recog.ros.throttle import ThrottledWarning
 
 
 def add(visit: Visit) -> None:

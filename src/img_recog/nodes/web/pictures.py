@@ -10,8 +10,8 @@ from sensor_msgs.msg import Image
 
 from img_recog.conversions.image_msgs import ColorImages, ImageError
 from img_recog.errors import one_line
-from img_recog.ros.log.throttle import ThrottledWarning
 from img_recog.ros.queues import LatestValue
+from img_recog.ros.throttle import ThrottledWarning
 from img_recog.ros.transport.image_subscriber import ImageSubscriber
 
 RATE_HZ = 15.0

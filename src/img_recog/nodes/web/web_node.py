@@ -36,20 +36,19 @@ from img_recog.nodes.web import page
 from img_recog.nodes.web.authentication import Authentication
 from img_recog.nodes.web.feed import Feed
 from img_recog.nodes.web.measurements import SystemTopics
-from img_recog.nodes.web.pictures import PictureTopics
-from img_recog.nodes.web.page_elements import Shared
 from img_recog.nodes.web.page import Server, address, listen, parse_in_turn, report_errors
+from img_recog.nodes.web.page_elements import Shared
+from img_recog.nodes.web.pictures import PictureTopics
 from img_recog.nodes.web.shown_robots import ShownRobots, resolve
 from img_recog.nodes.web.tabs import TABS
 from img_recog.nodes.web.tuning import Tuning
 from img_recog.nodes.web.web_settings import WebSettings
 from img_recog.processes import bag_recording
 from img_recog.processes.bag_recording import BagRecording, RecordingSwitch
-from img_recog.ros import lifecycle, parameters
+from img_recog.ros import lifecycle, master_calls, parameters
 from img_recog.ros.diagnostics import NodeDiagnostics
-from img_recog.ros.log.throttle import Throttle, ThrottledWarning
-from img_recog.ros.master import master
-from img_recog.teleoperation.profile import VelocityLimits
+from img_recog.ros.throttle import Throttle, ThrottledWarning
+from img_recog.teleoperation import VelocityLimits
 
 _POLL_PERIOD_S = 0.5
 _START_TIMEOUT_S, _QUIET_S = 10.0, 1.5
@@ -166,7 +165,7 @@ def _wait_for_other_nodes() -> None:
     since_s = time.monotonic()
     while time.monotonic() < end_s and not rospy.is_shutdown():
         try:
-            found = master.calls().state().nodes
+            found = master_calls.calls().state().nodes
         except OSError:     # it may come back
             found = set()
         if found != nodes or not found:

@@ -46,7 +46,7 @@ Safety
     (direct_publisher).
 
 Gain
-    With registration.py, ros/master/master_watch.py can make nodes known to a new master (rospy
+    With registration.py, ros/master_watch.py can make nodes known to a new master (rospy
     registers once; doc/safety.md). The other parts save CPU time:
     the head of each says how much, as ./run bench transport measures it: with the part and without
     it in turn, 5 times, with frames of a film of 640x480, by color_extract alone or viewed, and

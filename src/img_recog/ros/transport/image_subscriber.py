@@ -10,8 +10,8 @@ from rospy.exceptions import TransportTerminated
 from sensor_msgs.msg import Image
 
 from img_recog.errors import one_line, shortened
-from img_recog.ros.log.throttle import ThrottledWarning
 from img_recog.processes import memory
+from img_recog.ros.throttle import ThrottledWarning
 from img_recog.ros.transport.sockets import waiting_bytes
 from img_recog.ros.transport.switch import is_plain
 

@@ -80,7 +80,11 @@ class _Line(Log):
 
 
 class RecurringLine:
-    """Writes lines of one place to the log file and to /rosout, but not to the terminal.
+    """Writes lines of one place to the log file, to /rosout, and maybe to the terminal.
+
+    The time of a line is taken apart, because writing takes 0.2 ms, and sending alone most of
+    that. So what comes after the line does not wait for it, and the line still has its time before
+    that.
 
     Between two frames, the code and data of Python's logging leave the cache of the processor. So
     the record and the message are made once: with new ones each time, a frame of color_extract
@@ -92,20 +96,33 @@ class RecurringLine:
         self._record: Optional[logging.LogRecord] = None
         self._msg = _Line(level=Log.INFO, name=rospy.get_name())
         self._names_topics = not parameters.log_topics_are_left_out()
+        self.take_time()
 
-    def write(self, text: str) -> None:
-        """Write a line; to be called from one place in a method."""
+    def take_time(self) -> None:
+        """Give the next line the time of now."""
+        self._time_s, self._msg.header.stamp = time.time(), rospy.Time.now()
+
+    def write(self, text: str, on_terminal: bool = False) -> None:
+        """Write a line with the time that was taken; to be called from one place in a method.
+
+        Args:
+            text: Text of the line.
+            on_terminal: Whether to write it to the terminal, too.
+        """
         if not self._logger.isEnabledFor(logging.INFO):
             return
         if self._record is None:
             self._record = self._record_of(sys._getframe(1))
         record, msg = self._record, self._msg
-        record.msg, record.created = text, time.time()
+        record.msg, record.created = text, self._time_s
         record.msecs = int(1000 * (record.created % 1))
-        for handler in logging.getLogger().handlers:
+        handlers = list(logging.getLogger().handlers)
+        if on_terminal:
+            handlers += [each for each in self._logger.handlers
+                         if not isinstance(each, rosout.RosOutHandler)]
+        for handler in handlers:
             if record.levelno >= handler.level:
                 handler.handle(record)
-        msg.header.stamp = rospy.Time.now()
         topics = registration.get_topic_manager().get_topics()
         if self._names_topics and topics != msg.topics:
             msg.set_topics(topics)

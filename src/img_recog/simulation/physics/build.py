@@ -14,7 +14,7 @@ import pybullet
 from img_recog import rotations
 from img_recog.errors import SimulationError
 from img_recog.formats import allowed_names, heightmaps
-from img_recog.formats.inertias import INERTIA_KEYS
+from img_recog.formats.lumping import INERTIA_KEYS
 from img_recog.formats.meshes import mesh_file
 from img_recog.formats.meshes.mesh_file import MeshError
 from img_recog.formats.reader import words

@@ -5,7 +5,8 @@ some micrometers, falls back onto it, and touches it in every second to fifth st
 stops its edge in these steps, and between them it slips freely: a robot on many wheels turns as if
 friction were viscous. PyBullet does the same if contacts act only where bodies touch, and without
 its slop. So a robot on more than two wheels has the contacts of ODE, with half of their push: with
-all of it, a robot that falls onto its wheels would bounce.
+all of it, a robot that falls onto its wheels would bounce. Four or more light wheels lean instead,
+and stay on the floor (tires.py, `leans`): they have springs like all others.
 
 All other contacts are springs, with a stiffness for the mass of the body. The <kp>, <kd> and
 <max_vel> of a file are used if they are softer.
@@ -27,7 +28,7 @@ from img_recog.rotations import IDENTITY, matrix
 from img_recog.simulation.physics import mesh_cache
 from img_recog.simulation.physics.body import Body
 from img_recog.simulation.physics.framed_body import FramedBody
-from img_recog.simulation.physics.tires import ACROSS
+from img_recog.simulation.physics.tires import ACROSS, leans
 
 # of a contact: so much damping that nothing vibrates, and what fell is out of the floor in 0.3 s
 _STIFFNESS_N_M, _DAMPING_N_S_M = 3e5, 1e5
@@ -161,7 +162,7 @@ class _Low(NamedTuple):
     Attributes:
         height_m: Height above the lowest solid of the body.
         solid: Its shape and pose in the link.
-        is_wheel: Whether it is a wheel with treads.
+        is_wheel: Whether it is a wheel with treads that does not lean in ODE.
         turned: Its rotation (3, 3) in the world.
     """
 
@@ -179,7 +180,8 @@ class _Low(NamedTuple):
 
 def _lows(body: FramedBody) -> List[_Low]:
     """Return the lowest solids of a body where it was loaded."""
-    wheels = body.with_treads
+    wheels = {link.name for link in body.loaded.links
+              if link.name in body.with_treads and not leans(link, body.loaded)}
     found: List[_Low] = []
     for link in body.model.links:
         part = body.link_indices[link.name]

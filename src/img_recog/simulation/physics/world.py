@@ -70,6 +70,7 @@ class World:
         self.solids = Solids(physics_client_id)
         self._surfaces = Surfaces(physics_client_id, settings.step_s)
         self._adopted: Dict[int, _Adopted] = {}
+        self._acting: List[Callable[[], None]] = []         # forces of the adopted bodies
         self.pushes, self.sleeping = Pushes(), Sleeping(physics_client_id, settings.step_s)
         self.file, self.revision = file._replace(trees=()), 0
         self.models: List[ModelBodies] = []
@@ -279,16 +280,15 @@ class World:
         if self._surfaces_revision != self.revision:
             self._surfaces_revision, self._steps = self.revision, 0
             self._surfaces.refresh()
+            self._acting = [adopted.forces.apply for adopted in self._adopted.values()
+                            if adopted.forces]
         if self._is_at_start:
             self._is_at_start = False
             self._surfaces.forget_contacts()
         # local names: this is the innermost loop
         step, client = pybullet.stepSimulation, self.client
         surfaces, updates = self._surfaces, self._surfaces.needs_updates
-        adopted = self._adopted.values()
-        acting = [each.forces.apply for each in adopted if each.forces]
-        if self.pushes:
-            acting.append(self.pushes.apply)
+        acting = self._acting + ([self.pushes.apply] if self.pushes else [])
         while count > 0:
             steps = count
             if self.sleeping:

@@ -1,5 +1,6 @@
 """When simulated time may pass: each mode, each wait, and what happens in any order."""
 import itertools
+from concurrent.futures import ThreadPoolExecutor
 
 import pytest
 import rospy
@@ -216,6 +217,15 @@ def test_pause_delays_the_line_about_answers(rig):
     rig.now_s += REPORT_S
     rig.gate.report(1.0)
     assert len(rig.said) == 1
+
+
+def test_answers_in_several_threads_wake_the_loop_once(rig):
+    topics = ['/topic_{}'.format(number) for number in range(8)]
+    with ThreadPoolExecutor(len(topics)) as threads:
+        for turn in range(1, 51):
+            rig.gate.expect(Wait.ANSWERS, topics)
+            list(threads.map(lambda topic: rig.gate.end(Wait.ANSWERS, topic), topics))
+            assert rig.woken == turn and rig.gate.may_pass(HERE)
 
 
 EVENTS = st.one_of(

@@ -118,8 +118,8 @@ class Rig:
             _simulator=self.simulator, _pace=pace, _calls=calls, _lockstep=answers,
             _images=drawn, _topics=topics, _services=None, _clock_steps=10, _free_run_periods=2,
             _gate=self.gate,
-            _clock=SimpleNamespace(count=lambda _: None, add=lambda: None, flush=lambda: None),
-            _diagnostics=SimpleNamespace(steps=SimpleNamespace(add=lambda _: None)))
+            _clock=SimpleNamespace(count=lambda _: None, add=lambda: None, flush=lambda: None,
+                                   periods=SimpleNamespace(add=lambda _: None)))
         calls.process = lambda _: None
 
     def turn(self):

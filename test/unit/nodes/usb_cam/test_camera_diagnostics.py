@@ -3,7 +3,7 @@ import pytest
 from diagnostic_msgs.msg import DiagnosticStatus
 
 from img_recog.camera.synthetic import SyntheticSource
-from img_recog.nodes.usb_cam.camera_diagnostics import CameraDiagnostics
+from img_recog.nodes.usb_cam.usb_cam_node import CameraDiagnostics
 from img_recog_helpers.statuses import report
 
 

@@ -5,11 +5,11 @@ from types import SimpleNamespace
 
 import pytest
 
-from img_recog.nodes.web import driving
-from img_recog.nodes.web.driving import HOLD_S, Driving, Speeds, yield_services
+from img_recog.nodes.web import shown_robots
+from img_recog.nodes.web.shown_robots import HOLD_S, Driving, Speeds, yield_services
 from img_recog.ros import stopping_publisher
 from img_recog.ros.timed_xmlrpc import SystemState
-from img_recog.teleoperation.profile import VelocityLimits
+from img_recog.teleoperation import VelocityLimits
 from img_recog_helpers.waiting import DEADLINE_S, wait_for
 
 
@@ -61,8 +61,9 @@ def test_the_services_of_other_publishers(monkeypatch):
     state = SystemState({'/cmd_vel': ['/web', '/teleop', '/foreign'], '/odom': ['/gazebo']}, {},
                         {'/teleop/yield': ['/teleop'], '/gazebo/yield': ['/gazebo'],
                          '/foreign/get_loggers': ['/foreign']})
-    monkeypatch.setattr(driving.rospy, 'get_name', lambda: '/web')
-    monkeypatch.setattr(driving.master, 'calls', lambda: SimpleNamespace(state=lambda: state))
+    monkeypatch.setattr(shown_robots.rospy, 'get_name', lambda: '/web')
+    monkeypatch.setattr(shown_robots.master_calls, 'calls',
+                        lambda: SimpleNamespace(state=lambda: state))
     assert yield_services('/cmd_vel') == ['/teleop/yield']
     assert yield_services('/nobody') == []
 
@@ -75,12 +76,12 @@ def node(monkeypatch, wait_for_threads):
     monkeypatch.setattr(stopping_publisher, 'DirectPublisher', lambda *_: SimpleNamespace(
         publish=lambda msg: found.sent.append(msg.linear.x)))
     monkeypatch.setattr(stopping_publisher.lifecycle, 'on_shutdown', found.hooks.append)
-    monkeypatch.setattr(driving.rospy, 'is_shutdown', lambda: found.has_ended)
-    monkeypatch.setattr(driving, 'yield_services', lambda _: sorted(found.services))
-    monkeypatch.setattr(driving.rospy, 'ServiceProxy', lambda name, _: found.services[name])
-    monkeypatch.setattr(driving, 'YIELD_PERIOD_S', 0.01)
-    monkeypatch.setattr(driving, 'READ_PERIOD_S', 0.05)
-    monkeypatch.setattr(driving, 'POLL_PERIOD_S', 0.05)
+    monkeypatch.setattr(shown_robots.rospy, 'is_shutdown', lambda: found.has_ended)
+    monkeypatch.setattr(shown_robots, 'yield_services', lambda _: sorted(found.services))
+    monkeypatch.setattr(shown_robots.rospy, 'ServiceProxy', lambda name, _: found.services[name])
+    monkeypatch.setattr(shown_robots, 'YIELD_PERIOD_S', 0.01)
+    monkeypatch.setattr(shown_robots, 'READ_PERIOD_S', 0.05)
+    monkeypatch.setattr(shown_robots, 'POLL_PERIOD_S', 0.05)
 
     def answer(name):
         found.services[name] = lambda: found.asked.append(name) or SimpleNamespace(success=True)

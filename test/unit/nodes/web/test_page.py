@@ -10,7 +10,7 @@ from img_recog.nodes.web import page, page_texts
 from img_recog.nodes.web.page_elements import Shared
 from img_recog.nodes.web.shown_robots import PictureTopic
 from img_recog.nodes.web.tabs import Tab
-from img_recog.teleoperation.profile import VelocityLimits
+from img_recog.teleoperation import VelocityLimits
 
 
 def add_sonar(visit):

@@ -10,7 +10,7 @@ from img_recog.nodes.web.measurements import SystemTopics
 from img_recog.nodes.web.pictures import PictureTopics
 from img_recog.nodes.web.shown_robots import ShownRobot, ShownRobots, names_in
 from img_recog.ros.timed_xmlrpc import SystemState
-from img_recog.teleoperation.profile import VelocityLimits
+from img_recog.teleoperation import VelocityLimits
 
 WEB = '/web'
 
@@ -55,14 +55,14 @@ def test_the_robots_stay_while_a_new_master_knows_none(monkeypatch):
     assert found.names == ['']
     for subscribed, names in ((['/a/cmd_vel /x', '/b/cmd_vel /x'], ['a', 'b']), ([], ['a', 'b']),
                               (['/b/cmd_vel /x'], ['b'])):
-        monkeypatch.setattr(shown_robots.master, 'calls', lambda: SimpleNamespace(
+        monkeypatch.setattr(shown_robots.master_calls, 'calls', lambda: SimpleNamespace(
             state=lambda: SystemState({}, users(*subscribed), {})))
         found.update()
         assert found.names == names
 
     def fail():
         raise ConnectionRefusedError
-    monkeypatch.setattr(shown_robots.master, 'calls', fail)
+    monkeypatch.setattr(shown_robots.master_calls, 'calls', fail)
     found.update()
     assert found.names == ['b']
 

@@ -2,6 +2,7 @@
 import io
 import logging
 import re
+import time
 from types import SimpleNamespace
 
 import pytest
@@ -63,7 +64,11 @@ class Node:
         self.line = RecurringLine()
         logging.getLogger().handlers[1:] = []       # pytest's
 
-    def handle(self, text):
+    def handle(self, text, on_terminal=False):
+        self.line.take_time()
+        self.line.write(text, on_terminal)
+
+    def write(self, text):
         self.line.write(text)
 
     def log(self, text):
@@ -84,6 +89,25 @@ def test_lines_are_those_of_loginfo_but_not_on_the_terminal(setup, text):
     assert (ours.function, ours.file) == ('Node.handle', 'test_recurring_line.py')
     theirs.function, theirs.line = ours.function, ours.line
     assert ours == theirs and ours.header.stamp == rospy.Time(5, 7) and ours.header.seq == 3
+
+
+def test_a_line_for_the_terminal_is_sent_once(setup):
+    Node().handle('a line', on_terminal=True)
+    assert [msg.msg for msg in setup.sent] == ['a line']
+    assert setup.written().endswith(': a line\n')
+    assert re.fullmatch(r'\[INFO\] \[[0-9.]+(, [0-9.]+)?\]: a line\n', setup.terminal.getvalue())
+
+
+def test_a_line_has_the_time_that_was_taken(setup, monkeypatch):
+    node = Node()
+    node.line.take_time()
+    taken = time.time()
+    monkeypatch.setattr(rospy_rosout.Time, 'now', lambda: rospy.Time(6, 0))
+    monkeypatch.setattr(rosout.time, 'time', lambda: taken + 100.0)
+    node.write('a line')
+    assert setup.sent[0].header.stamp == rospy.Time(5, 7)
+    assert abs(time.mktime(time.strptime(
+        re.search(STAMP, setup.written()).group()[:19], '%Y-%m-%d %H:%M:%S')) - taken) < 3
 
 
 def test_the_time_is_that_of_the_line(setup, monkeypatch):

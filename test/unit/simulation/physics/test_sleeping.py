@@ -7,8 +7,10 @@ from img_recog.formats.lumping import lumped
 from img_recog.model import Tree
 from img_recog.report import Report
 from img_recog.rotations import IDENTITY
+from img_recog.simulation import guard
 from img_recog.simulation.models import Models
 from img_recog.simulation.physics.client import connect
+from img_recog.simulation.physics.forces import Forces
 from img_recog.simulation.physics.world import World
 from img_recog.simulation.simulation_settings import PhysicsSettings
 from img_recog.simulation.simulator import Simulator
@@ -265,3 +267,16 @@ def test_the_last_state_that_is_set_counts():
     move(simulator, 'b', linear=(0, 0.5, 0))
     simulator.advance(1)
     assert Models(simulator).state('b').linear == pytest.approx((0, 0.49, 0), abs=0.01)
+
+
+def test_bodies_that_sleep_are_not_looked_at_in_each_step(monkeypatch):
+    """Python looked at each of them: 20 % of the time of a step with 500 boxes at rest."""
+    simulator = simulated(*[box('b{}'.format(number), '{} 0 0.1'.format(number))
+                            for number in range(3)])
+    simulator.advance(2000)
+    assert len(asleep(simulator)) == 3
+    looks = []
+    monkeypatch.setattr(Forces, '__bool__', lambda forces: bool(looks.append('forces')))
+    monkeypatch.setattr(guard, '_is_small', lambda state: not looks.append('state'))
+    simulator.advance(1000)
+    assert not looks

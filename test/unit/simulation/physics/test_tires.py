@@ -68,6 +68,14 @@ def test_the_outer_tread_of_more_than_two_wheels_is_lower():
         (0.1, 0.002), (pytest.approx(0.1 - 2e-6, abs=1e-9), 0.002)]
 
 
+def test_treads_of_light_wheels_are_at_one_height():
+    """They lean in Gazebo, so that both edges bear the robot."""
+    light = INERTIAL.replace('0.0', '0.0000')
+    urdf = with_four_wheels(robot()).replace(INERTIAL, light)
+    assert light != INERTIAL
+    assert len({solid.shape.size for solid in treads(urdf, 'left_wheel')}) == 1
+
+
 def test_a_wheel_with_a_direction_of_friction_has_each_tread_twice():
     urdf = robot().replace('</robot>', '<gazebo reference="left_wheel"><fdir1>1 0 0</fdir1>'
                            '</gazebo></robot>')

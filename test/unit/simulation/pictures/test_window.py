@@ -192,6 +192,17 @@ def test_window_gets_poses_at_30_hz_and_never_blocks(helpers, clock):
     assert helpers[1].ended
 
 
+def test_a_window_draws_nothing_until_its_bodies_are_placed(monkeypatch):
+    assembly, states = robots.assemble(), []
+    monkeypatch.setattr(pybullet, 'configureDebugVisualizer', lambda flag, is_on, **_:
+                        states.append((flag, is_on)))
+    copy = SceneCopy(scene_of(assembly.simulator), connect(), floor=False)
+    assert states == [(pybullet.COV_ENABLE_RENDERING, 0)]
+    for _ in range(2):
+        copy.place(poses_of(assembly.simulator))
+    assert states == [(pybullet.COV_ENABLE_RENDERING, 0), (pybullet.COV_ENABLE_RENDERING, 1)]
+
+
 def test_window_shows_the_newest_poses_from_the_camera_above(monkeypatch):
     simulator, client, seen = robots.assemble(), connect(), {}
     poses = poses_of(simulator)

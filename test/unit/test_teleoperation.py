@@ -1,7 +1,7 @@
 """Target velocities by keys, and sent velocities by targets."""
 import pytest
 
-from img_recog.teleoperation.profile import TeleopSettings, VelocityProfile
+from img_recog.teleoperation import TeleopSettings, VelocityProfile
 
 
 def pressed(keys, profile=None):

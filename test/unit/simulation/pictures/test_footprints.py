@@ -4,7 +4,7 @@ import math
 import numpy as np
 import pytest
 
-from img_recog.simulation.physics.footprints import footprints
+from img_recog.simulation.pictures.footprints import footprints
 from img_recog_helpers import robots
 
 SHAPES = '''<robot name="shapes">

@@ -1,7 +1,7 @@
 """What is missing until a node hears of a topic, by a master and nodes of the test."""
 import pytest
 
-from img_recog.ros.master.connections import Connections
+from img_recog.ros.connections import Connections
 from img_recog_helpers.xmlrpc_server import XmlRpcServer
 
 DEAD = 'http://127.0.0.1:9/'

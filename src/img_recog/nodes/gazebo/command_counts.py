@@ -1,15 +1,11 @@
-"""The state of the simulation, as in /diagnostics."""
+"""Counters of the commands of a robot, for /diagnostics."""
 import time
-from typing import Callable, Optional, Tuple
+from typing import Callable, Optional
 
 from diagnostic_msgs.msg import DiagnosticStatus
 from diagnostic_updater import DiagnosticStatusWrapper
 
-from img_recog.nodes.gazebo.physics_services import ServiceCalls
-from img_recog.nodes.gazebo.time_gate import TimeGate
-from img_recog.ros.diagnostics import (MIN_SHARE, Durations, EventCounter, Refusals, add_counter,
-                                       add_durations, add_refusals)
-from img_recog.simulation.pacing import Pace
+from img_recog.ros.diagnostics import EventCounter, Refusals, add_counter, add_refusals
 
 
 class CommandCounts:
@@ -54,35 +50,3 @@ class CommandCounts:
                 'teleop'.format(timeout_s)))
         add_refusals(status, 'commands', self.refused)
         add_counter(status, 'sensor messages', self.readings)
-
-
-class SimulationDiagnostics:
-    """Measures the loop and reports the state of the simulation.
-
-    steps: how long the loop takes for a clock period of simulated time, without waiting.
-    """
-
-    def __init__(self, pace: Pace, gate: TimeGate, calls: ServiceCalls):
-        self._pace, self._gate, self._calls = pace, gate, calls
-        self.steps = Durations()
-
-    def report(self, status: DiagnosticStatusWrapper, time_s: float) -> None:
-        """Fill in the status at a simulated time; to be called once in each period."""
-        pace = self._pace
-        status.summary(*_summary(pace, self._gate.is_paused))
-        status.add('simulated time (s)', '{:.2f}'.format(time_s))
-        status.add('real time factor', '{:.2f}'.format(pace.measured))
-        status.add('wanted real time factor', '{:g}'.format(pace.wanted))
-        add_durations(status, 'clock period', self.steps)
-        status.add('waiting service calls', str(len(self._calls)))
-        status.add('service calls that timed out', str(self._calls.late.total))
-
-
-def _summary(pace: Pace, is_paused: bool) -> Tuple[int, str]:
-    if is_paused:
-        return DiagnosticStatus.OK, 'paused'
-    if 0 < pace.measured < MIN_SHARE * pace.wanted:
-        return DiagnosticStatus.WARN, (
-            'too slow: real time factor {:.2f} instead of {:g}; use a smaller real_time_factor, '
-            'or close windows'.format(pace.measured, pace.wanted))
-    return DiagnosticStatus.OK, 'real time factor {:.2f}'.format(pace.measured)

@@ -4,8 +4,8 @@ import xmlrpc.client
 import pytest
 import rospy
 
-from img_recog.ros.master import master_watch
-from img_recog.ros.master.master_watch import MasterWatch
+from img_recog.ros import master_watch
+from img_recog.ros.master_watch import MasterWatch
 from img_recog_helpers.waiting import DEADLINE_S
 
 URI = 'http://node:1/'

@@ -1,7 +1,7 @@
 """Actions and warnings at most once per period of wall time."""
 import pytest
 
-from img_recog.ros.log.throttle import ChangeThrottle, Throttle, ThrottledWarning
+from img_recog.ros.throttle import ChangeThrottle, Throttle, ThrottledWarning
 
 
 def test_ready_once_in_a_period(clock):

@@ -1,9 +1,15 @@
 """The counters of the simulator, and their report."""
+from types import SimpleNamespace
+from unittest import mock
+
 import pytest
+import rospy
 from diagnostic_msgs.msg import DiagnosticStatus
 
+from img_recog.nodes.gazebo import clock as clock_module
+from img_recog.nodes.gazebo.clock import SimulatedClock
+from img_recog.nodes.gazebo.command_counts import CommandCounts
 from img_recog.nodes.gazebo.physics_services import ServiceCalls
-from img_recog.nodes.gazebo.simulation_diagnostics import CommandCounts, SimulationDiagnostics
 from img_recog.nodes.gazebo.time_gate import Mode, TimeGate
 from img_recog.simulation.pacing import Pace
 from img_recog_helpers.statuses import values
@@ -11,30 +17,37 @@ from img_recog_helpers.statuses import values
 OK, WARN = DiagnosticStatus.OK, DiagnosticStatus.WARN
 
 
-def running(measured, wanted=1.0, is_paused=False):
-    pace, calls = Pace(wanted), ServiceCalls()
-    pace.measured = measured
-    calls.late.add()
-    return SimulationDiagnostics(
-        pace, TimeGate(Mode.PAUSED if is_paused else Mode.RUNNING, calls.wake), calls)
+@pytest.fixture
+def make(monkeypatch):
+    """A function that makes a SimulatedClock without a master."""
+    for module, name in ((clock_module, 'DirectPublisher'), (rospy, 'Publisher'),
+                         (clock_module, 'master_calls')):
+        monkeypatch.setattr(module, name, mock.MagicMock())
+
+    def running(measured, wanted=1.0, mode=Mode.RUNNING):
+        pace = Pace(wanted)
+        pace.measured = measured
+        return SimulatedClock(SimpleNamespace(time_s=12.345), pace, TimeGate(mode, lambda: None))
+    return running
 
 
-@pytest.mark.parametrize('diagnostics, level, message', [
-    (running(0.99), OK, 'real time factor 0.99'), (running(0.81), OK, 'real time factor 0.81'),
-    (running(0.79), WARN, 'too slow: real time factor 0.79 instead of 1; '
+@pytest.mark.parametrize('factors, level, message', [
+    ((0.99,), OK, 'real time factor 0.99'), ((0.81,), OK, 'real time factor 0.81'),
+    ((0.79,), WARN, 'too slow: real time factor 0.79 instead of 1; '
      'use a smaller real_time_factor, or close windows'),
-    (running(0.0), OK, 'real time factor 0.00'),            # not measured yet
-    (running(25.0, wanted=0.0), OK, 'real time factor 25.00'),
-    (running(0.0, is_paused=True), OK, 'paused')])
-def test_the_level_and_what_to_do(status, diagnostics, level, message):
-    diagnostics.report(status, 12.345)
+    ((0.0,), OK, 'real time factor 0.00'),            # not measured yet
+    ((25.0, 0.0), OK, 'real time factor 25.00'), ((0.0, 1.0, Mode.PAUSED), OK, 'paused')])
+def test_the_level_and_what_to_do(status, make, factors, level, message):
+    make(*factors).report(status)
     assert (status.level, status.message) == (level, message)
 
 
-def test_values_of_the_simulation(status):
-    diagnostics = running(0.99)
-    diagnostics.steps.add(0.002)
-    diagnostics.report(status, 12.345)
+def test_values_of_the_simulation(status, make):
+    clock, calls = make(0.99), ServiceCalls()
+    clock.periods.add(0.002)
+    calls.late.add()
+    clock.report(status)
+    calls.report(status)
     assert values(status) == {
         'simulated time (s)': '12.35', 'real time factor': '0.99', 'wanted real time factor': '1',
         'clock period, mean (ms)': '2.00', 'clock period, max (ms)': '2.00',

@@ -12,13 +12,13 @@ import rospy
 from rosgraph import roslogging
 from rosgraph.roslogging import RosStreamHandler
 
-from img_recog.ros.log import log_handlers
+from img_recog.ros import log_handlers
 
 # a limit of the size of files behaves like a full disk, without root, and can be removed again
 _SCRIPT = '''
 import logging, resource, sys
 from logging.handlers import RotatingFileHandler
-from img_recog.ros.log import log_handlers
+from img_recog.ros import log_handlers
 root = logging.getLogger()
 root.setLevel(logging.INFO)
 root.addHandler(RotatingFileHandler(sys.argv[1], 'a', 50000000, 4))

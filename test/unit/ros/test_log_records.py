@@ -6,7 +6,7 @@ import pytest
 from rosgraph.roslogging import RosStreamHandler
 
 from img_recog.errors import MAX_LINE
-from img_recog.ros.log import log_handlers
+from img_recog.ros import log_handlers
 
 FORGED = 'x\n[FATAL] forged\x1b[2J'
 

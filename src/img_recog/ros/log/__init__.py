@@ -1,1 +1,0 @@
-"""Lines of the log: terminal, file and /rosout."""

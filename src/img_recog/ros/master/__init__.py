@@ -1,1 +1,0 @@
-"""The master: whether it answers, and what it must know."""

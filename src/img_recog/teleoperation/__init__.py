@@ -1,1 +1,0 @@
-"""Keyboard teleoperation: keys of a terminal to velocity commands. Independent of ROS."""
