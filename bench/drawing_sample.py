@@ -48,9 +48,8 @@ class Drive(NamedTuple):
 
 def simulate() -> Drive:
     """Return a drive, seen by the robot's camera."""
-    built = scenario.build(resources.DEFAULT_WORLD, resources.burger(), SpawnSettings())
-    simulator, parts = built.simulator, Parts(built.simulator)
-    robot = simulator.robots[0]
+    simulator = scenario.build(resources.DEFAULT_WORLD, resources.burger(), SpawnSettings())
+    parts, robot = Parts(simulator), simulator.robots[0]
     camera = RobotCamera(robot.body, CameraSettings(camera_frame='camera_link'), parts.poses)
     robot.command(*SPEEDS)
     visuals, moments = parts.scene(), []

@@ -29,11 +29,11 @@ from img_recog.errors import UserError, one_line
 from img_recog.formats.world_file import EMPTY
 from img_recog.loading import assemble
 from img_recog.report import LEFT_OUT
-from img_recog.simulation.assembly import Assembly
-from img_recog.simulation.figures import Figures
+from img_recog.simulation.models import Figures
 from img_recog.simulation.physics.body import Body
 from img_recog.simulation.pictures.visual_scene import Parts
 from img_recog.simulation.simulation_settings import PhysicsSettings
+from img_recog.simulation.simulator import Simulator
 
 ROOT = os.path.join(os.path.dirname(os.path.abspath(__file__)), '..')
 LIST = os.path.join(ROOT, 'test', 'golden.txt')
@@ -57,29 +57,28 @@ def text_of(path: str) -> str:
 
 def _robot(path: str) -> Iterator[str]:
     spec = assemble.robot(path)
-    built = assemble.simulator(PhysicsSettings(world=EMPTY), [spec])
-    yield from ('warning ' + line for line in built.report.lines())
-    robot = built.simulator.robots[0]
+    simulator = assemble.simulator(PhysicsSettings(world=EMPTY), [spec])
+    yield from ('warning ' + line for line in simulator.world.report.lines())
+    robot = simulator.robots[0]
     yield 'drive ' + _plain(dataclasses.asdict(spec.settings.drive))
     for sensor in (each for each in spec.sensors if not each.kind.is_drawn):
         yield 'sensor {} on {} {}'.format(sensor.name, _plain(sensor.place),
                                           _plain(robot.settings.sensors[sensor.name]))
     yield from ('camera ' + _plain(camera) for camera in spec.cameras)
-    yield from _bodies(built)
+    yield from _bodies(simulator)
 
 
 def _world(path: str) -> Iterator[str]:
-    built = assemble.simulator(PhysicsSettings(world=path, allow_partial_world=True))
-    file = built.simulator.world.file
-    yield from ('warning ' + line for line in built.report.lines())
-    yield from ('left out ' + line for line in built.report.of(LEFT_OUT))
+    simulator = assemble.simulator(PhysicsSettings(world=path, allow_partial_world=True))
+    file = simulator.world.file
+    yield from ('warning ' + line for line in simulator.world.report.lines())
+    yield from ('left out ' + line for line in simulator.world.report.of(LEFT_OUT))
     yield 'gravity {} floor {} camera {}'.format(_plain(file.gravity), file.has_floor,
                                                  _plain(file.camera))
-    yield from _bodies(built)
+    yield from _bodies(simulator)
 
 
-def _bodies(built: Assembly) -> Iterator[str]:
-    simulator = built.simulator
+def _bodies(simulator: Simulator) -> Iterator[str]:
     figures = Figures(simulator)
     for what, values in (('link', figures.links()), ('joint', figures.joints()),
                          ('mass', figures.masses())):

@@ -17,12 +17,11 @@ from img_recog import rotations
 from img_recog.errors import UserError
 from img_recog.formats.world_file import EMPTY
 from img_recog.loading import assemble, resources, robot_file
-from img_recog.simulation.assembly import Assembly
-from img_recog.simulation.figures import Figures
-from img_recog.simulation.models import LINK_SEPARATOR
+from img_recog.simulation.models import LINK_SEPARATOR, Figures
 from img_recog.simulation.physics.drive import Drive
 from img_recog.simulation.simulation_settings import (DriveSettings, PhysicsSettings,
                                                       SpawnSettings)
+from img_recog.simulation.simulator import Simulator
 
 ROOT = os.path.join(os.path.dirname(os.path.abspath(__file__)), '..')
 LIST = os.path.join(ROOT, 'test', 'public_robots.yaml')
@@ -305,15 +304,15 @@ def simulate(robot: Robot, folder: str, commands: Sequence[str]) -> Dict[str, An
     results: Dict[str, Any] = {command: [] for command in commands}
     for command in commands:
         for heading in HEADINGS:
-            built = (_sdf_robot if robot.is_sdf else _urdf_robot)(
+            simulator = (_sdf_robot if robot.is_sdf else _urdf_robot)(
                 robot, element, source, heading)
-            results[command].append(motion(list(_poses(robot, built, command))))
-            built.simulator.close()
+            results[command].append(motion(list(_poses(robot, simulator, command))))
+            simulator.close()
     return results
 
 
 def _urdf_robot(robot: Robot, element: ElementTree.Element, source: str,
-                heading: float) -> Assembly:
+                heading: float) -> Simulator:
     spec = assemble.robot_of(ElementTree.tostring(element, 'unicode'), source)
     drive = DriveSettings(
         left_joint=','.join(robot.left), right_joint=','.join(robot.right),
@@ -326,7 +325,7 @@ def _urdf_robot(robot: Robot, element: ElementTree.Element, source: str,
 
 
 def _sdf_robot(robot: Robot, element: ElementTree.Element, source: str,
-               heading: float) -> Assembly:
+               heading: float) -> Simulator:
     _remove(element, ('sensor',))
     _place(element, robot.height, heading)
     path = '{}.{}.sdf'.format(source, os.getpid())      # next to its meshes
@@ -337,8 +336,7 @@ def _sdf_robot(robot: Robot, element: ElementTree.Element, source: str,
         os.remove(path)
 
 
-def _poses(robot: Robot, built: Assembly, command: str) -> Iterator[List[float]]:
-    simulator = built.simulator
+def _poses(robot: Robot, simulator: Simulator, command: str) -> Iterator[List[float]]:
     for simulated in simulator.robots:
         # as in Gazebo, nothing else sets the motors
         simulated.drive = Drive(DriveSettings())

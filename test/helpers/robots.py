@@ -3,14 +3,13 @@ import dataclasses
 import functools
 import os
 
-from img_recog.conversions.sensor_table import SENSORS
+from img_recog.conversions.sensor_table import CAMERA, SENSORS
 from img_recog.formats import world_file
 from img_recog.formats.markup import read_bytes
 from img_recog.simulation import assembly
 from img_recog.simulation.configured_model import from_urdf
 from img_recog.simulation.simulation_settings import PhysicsSettings, RobotSettings, SpawnSettings
 
-CAMERA, = (kind for kind in SENSORS if kind.is_drawn)
 GROUPS = 'spawn', 'drive', 'noise'
 FOLDER = os.path.join(os.path.dirname(os.path.abspath(__file__)), '..', '..', 'urdf')
 WORLDS = {'turtlebot3_world': os.path.join(FOLDER, 'turtlebot3_world.urdf')}
@@ -36,7 +35,7 @@ def burgers(sensor, **changed):
 
 def assemble(world_name='empty', x=0.0, y=0.0, yaw=0.0, z=0.0, urdf=None, find_mesh=None,
              allow_partial=False, unused_sensors=(), option_name=str, cameras=(), **settings):
-    """Return the assembly of a robot, by default the burger, in a world; **settings: see below.
+    """Return a simulator of a robot, by default the burger, in a world; **settings: see below.
 
     world_name: a name, a path or the text of the file.
     """
@@ -49,7 +48,7 @@ def assemble(world_name='empty', x=0.0, y=0.0, yaw=0.0, z=0.0, urdf=None, find_m
 
 
 def build(world_name, specs, unused_sensors=(), option_name=str, allow_partial=False):
-    """Return the assembly of robots in a world."""
+    """Return a simulator of robots in a world."""
     text = world_name if world_name.startswith('<') else ''
     world_name = 'hall.world' if text else world_name
     world = world_file.read(world_name, WORLDS, allow_partial=allow_partial,
@@ -73,8 +72,3 @@ def settings_of(x=0.0, y=0.0, yaw=0.0, z=0.0, **settings):
     groups.setdefault('drive', burgers_drive())
     groups.setdefault('spawn', SpawnSettings(x_pos=x, y_pos=y, z_pos=z, yaw=yaw))
     return RobotSettings(sensors={**read(burger()).settings.sensors, **settings}, **groups)
-
-
-def simulator(*args, **kwargs):
-    """Return the simulator alone; arguments as for `assemble`."""
-    return assemble(*args, **kwargs).simulator

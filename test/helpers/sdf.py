@@ -4,8 +4,7 @@ import xml.etree.ElementTree as ElementTree
 from img_recog.formats import sdf_models, world_file
 from img_recog.formats.world_file import WorldFile
 from img_recog.report import LEFT_OUT, Report
-from img_recog.simulation.figures import Figures
-from img_recog.simulation.models import Models
+from img_recog.simulation.models import Figures, Models
 from img_recog.simulation.physics.client import connect
 from img_recog.simulation.physics.world import World
 from img_recog.simulation.simulated_model import SimulatedModel

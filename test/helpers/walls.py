@@ -9,7 +9,7 @@ GROUND_FLOOR = ('camera_arguments', 'command_line', 'errors', 'files', 'loading'
 # the rooms of simulation/, from the lowest to the highest: none imports one above it
 SIMULATION_ROOMS = ('simulation_settings', 'wheels', 'physics', 'sensors',
                     'configured_model', 'simulated_model', 'guard', 'simulator', 'pictures',
-                    'models', 'figures', 'pacing', 'assembly')
+                    'models', 'pacing', 'assembly')
 # libraries that only some folders or files may use
 OWNERS = {
     **dict.fromkeys(('pybullet', 'pybullet_data', 'pybullet_utils'), (

@@ -44,17 +44,17 @@ class Drive(Recorder):
         image the next one of it comes, as those of a node do.
         """
         built = scenario.build('color_posts', resources.burger(), SpawnSettings(x, y, 0.0, yaw))
-        self.simulator, self.models = built.simulator, Models(built.simulator)
-        self._robot = built.simulator.robots[0].body
-        self._client = built.simulator.world.physics_client_id
+        self.simulator, self.models = built, Models(built)
+        self._robot = built.robots[0].body
+        self._client = built.world.physics_client_id
         for name, place in (posts or {}).items():
             self.move(name, *place)
         self.results, self.contacts = [], set()
-        self._watch_contacts(built.simulator.world)
+        self._watch_contacts(built.world)
         self._built, self._delays = built, itertools.cycle(delays)
         self._lag_ns, self._lagged_ns = lag_ns, 0
         self._recognition = ColorRecognition(parameter_file.read(colors))
-        self._chain = Chain(built.simulator, self._recognition, False, [self])
+        self._chain = Chain(built, self._recognition, False, [self])
 
     def _watch_contacts(self, world):
         names = {body.body_id: body.name for body in world.scenery}

@@ -181,13 +181,12 @@ def _renderer() -> Any:
 
 def _run(run: Run, success: Success, time_limit_s: float, film_file: Any) -> Result:
     values = run.parameters
-    built = scenario.build(*scene_of(values), from_mapping(SpawnSettings, values),
-                           drive=given(DriveSettings, values), noise=NoiseSettings(run.seed))
-    simulator = built.simulator
+    simulator = scenario.build(*scene_of(values), from_mapping(SpawnSettings, values),
+                               drive=given(DriveSettings, values), noise=NoiseSettings(run.seed))
     with contextlib.closing(simulator), contextlib.ExitStack() as stack:    # room for 1024
-        camera = dataclasses.replace(scenario.camera_settings(built),
+        camera = dataclasses.replace(scenario.camera_settings(simulator),
                                      **given(CameraSettings, values))
-        frames = RobotFrames(built, camera, time_limit_s, from_mapping(LightSettings, values),
+        frames = RobotFrames(simulator, camera, time_limit_s, from_mapping(LightSettings, values),
                              run.seed, _renderer())
         settings = parameter_file.read_or_default(values.get('colors', ''))
         judge = Judge(simulator, values['goal'], success)

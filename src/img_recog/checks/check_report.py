@@ -2,7 +2,7 @@
 from typing import List, NamedTuple, Sequence
 
 from img_recog.command_line.results import text_table
-from img_recog.report import LEFT_OUT, NOTE, Finding, Report
+from img_recog.report import LEFT_OUT, NOTE, Report
 
 SIMULATED, MEASURED = 'simulated', 'measured'
 _HEAD = ('state', 'what', 'value', 'from')
@@ -42,12 +42,10 @@ class CheckReport(NamedTuple):
 
 
 def rows_of(report: Report) -> List[CheckRow]:
-    """Return a row for each finding that is not only a line."""
-    return [CheckRow(finding.kind, finding.what, finding.places(),
-                     'needs allow_partial_world:=true' * _is_of_world(finding))
-            for finding in report.findings if finding.kind != NOTE]
+    """Return a row for each finding that is not only a line.
 
-
-def _is_of_world(finding: Finding) -> bool:
-    """Return whether a world without this is refused."""
-    return finding.kind == LEFT_OUT and finding.owner.startswith('world ')
+    A world from which something is left out is refused without a parameter.
+    """
+    return [CheckRow(each.kind, each.what, each.places(), 'needs allow_partial_world:=true' * (
+        each.kind == LEFT_OUT and each.owner.startswith('world ')))
+            for each in report.findings if each.kind != NOTE]

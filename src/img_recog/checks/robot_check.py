@@ -48,17 +48,17 @@ def check(path: str, parameters: Sequence[str] = ()) -> CheckReport:
     with refusals(path):
         check_topics(spec, [], lambda name: '/' + name.lstrip('/'))
     drive = spec.settings.drive
-    built = assemble.simulator(PhysicsSettings(world=EMPTY), [spec])
-    simulator, robot = built.simulator, built.simulator.robots[0]
+    simulator = assemble.simulator(PhysicsSettings(world=EMPTY), [spec])
+    robot, report = simulator.robots[0], simulator.world.report
     drawn, boxes = looks.read(simulator)
     rows = [*_body(robot, boxes), *_friction(spec), *_drive(spec),
             *_sensors(spec, robot),
-            drawn, *rows_of(built.report)]
-    before = built.report.lines()
+            drawn, *rows_of(report)]
+    before = report.lines()
     lines: Dict[str, None] = {}
     # a wheel about a wrong axis leaves the floor, which is not its defect
     if not wheels.measure(spec.model, drive).askew:
-        built.report.listen(lambda line: lines.update({'{}: {}'.format(path, line): None}))
+        report.listen(lambda line: lines.update({'{}: {}'.format(path, line): None}))
     driven = list(_driven(spec, simulator)) if drive.is_there else []
     slips = _slips(drive)
     drifts = [each for each in driven if not each.asked]
@@ -69,7 +69,7 @@ def check(path: str, parameters: Sequence[str] = ()) -> CheckReport:
                        # one that does not touch the floor cannot drive
                        (*before,
                         *(lines or [each.warning(path) for each in still + drifts])),
-                       is_partial=bool(built.report.is_partial or still or not drive.is_there))
+                       is_partial=bool(report.is_partial or still or not drive.is_there))
 
 
 def _controllers(namespace: str, paths: Sequence[str]) -> Controllers:
@@ -141,26 +141,20 @@ def _text(value: Any) -> str:
 
 
 def _sensors(spec: ConfiguredModel, robot: Robot) -> Iterator[CheckRow]:
-    for sensor in spec.sensors:
-        name, kind, settings = sensor.name, sensor.kind, robot.settings.sensors[sensor.name]
-        if kind.is_drawn:
-            yield _camera(settings)
-            continue
-        if name in robot.mounted.missing:       # a finding
-            continue
+    for sensor in robot.mounted.published:
+        kind, settings = sensor.kind, robot.settings.sensors[sensor.name]
         is_given = sensor.place is not None or bool(spec.tag_values.keys() & vars(settings))
-        yield CheckRow(SIMULATED if is_given else ASSUMED, name, '{} on {}, {:.4g} Hz'.format(
-            getattr(kind.msg_type, '_type'), kind.topic(settings),
-            1 / getattr(settings, kind.name + '_period_s')),
-            '<gazebo> tag' if is_given else 'default')
-
-
-def _camera(camera: Any) -> CheckRow:
-    topics = ', '.join(filter(None, (
-        camera.camera_image_topic, camera.camera_depth_topic, camera.camera_points_topic)))
-    return CheckRow(SIMULATED, 'camera on ' + camera.camera_frame, '{}: {}x{}, {:g} Hz, {}'.format(
-        topics, camera.camera_width, camera.camera_height, camera.camera_rate,
-        camera.camera_lens), '<gazebo> tag')
+        text = '{} on {}, {:.4g} Hz'.format(getattr(kind.msg_type, '_type'), kind.topic(settings),
+                                            1 / getattr(settings, kind.name + '_period_s'))
+        yield CheckRow(SIMULATED if is_given else ASSUMED, sensor.name, text,
+                       '<gazebo> tag' if is_given else 'default')
+    for camera in spec.cameras:
+        topics = ', '.join(filter(None, (
+            camera.camera_image_topic, camera.camera_depth_topic, camera.camera_points_topic)))
+        yield CheckRow(SIMULATED, 'camera on ' + camera.camera_frame,
+                       '{}: {}x{}, {:g} Hz, {}'.format(
+                           topics, camera.camera_width, camera.camera_height, camera.camera_rate,
+                           camera.camera_lens), '<gazebo> tag')
 
 
 class _Driven(NamedTuple):

@@ -12,8 +12,7 @@ from img_recog.conversions.robot_cameras import DrawnCamera, Drawing
 from img_recog.errors import UserError
 from img_recog.loading import assemble
 from img_recog.report import NOT_DRAWN
-from img_recog.simulation.figures import Figures
-from img_recog.simulation.models import Models
+from img_recog.simulation.models import Figures, Models
 from img_recog.simulation.simulated_model import MountedSensors
 from img_recog.simulation.simulation_settings import PhysicsSettings, SpawnSettings
 
@@ -37,11 +36,10 @@ class SimulationRun:
         robots = [assemble.robot(given.urdf, '--urdf').changed(
             spawn=SpawnSettings(x_pos=0.0, y_pos=0.0))] if given.urdf else []
         # without a command they stand as in a Gazebo without ROS: nothing holds their wheels
-        self._built = assemble.simulator(
+        self._simulator = assemble.simulator(
             PhysicsSettings(world=given.world, allow_partial_world=True), robots,
             with_sensors=True, with_bare=True, with_drives=bool(given.twist and not given.urdf))
-        self.report = self._built.report
-        self._simulator = self._built.simulator
+        self.report = self._simulator.world.report
         self._figures = Figures(self._simulator)
         self._readings: Dict[Tuple[str, str], Any] = {}
         models = Models(self._simulator)

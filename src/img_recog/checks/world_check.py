@@ -5,7 +5,6 @@ import numpy as np
 
 from img_recog.checks import looks
 from img_recog.checks.check_report import SIMULATED, CheckReport, CheckRow, rows_of
-from img_recog.formats.world_file import WorldFile
 from img_recog.loading import assemble
 from img_recog.report import LEFT_OUT
 from img_recog.simulation.physics.world import World
@@ -20,11 +19,16 @@ def check(path: str, allow_partial: bool = False) -> CheckReport:
     allow_partial: whether one of which something is left out can be used.
     Raises a UserError when the file cannot be used at all.
     """
-    built = assemble.simulator(PhysicsSettings(world=path, allow_partial_world=True),
-                               with_sensors=True, with_drives=True)
-    file, report = built.simulator.world.file, built.report
-    drawn, boxes = looks.read(built.simulator)
-    rows = [*_models(built.simulator.world, boxes), *_rest(file), drawn, *rows_of(report)]
+    simulator = assemble.simulator(PhysicsSettings(world=path, allow_partial_world=True),
+                                   with_sensors=True, with_drives=True)
+    world = simulator.world
+    file, report = world.file, world.report
+    drawn, boxes = looks.read(simulator)
+    rows = list(_models(world, boxes))
+    if file.has_floor:
+        rows.append(CheckRow(SIMULATED, 'floor', 'at z 0'))
+    rows += [CheckRow(SIMULATED, 'gravity', '{:g} {:g} {:g} m/s2'.format(*file.gravity)), drawn,
+             *rows_of(report)]
     problem = '' if allow_partial or not report.of(LEFT_OUT) else (
         'something is left out of it; give --allow-partial-world here, and {} to the demo'.format(
             _OPTION))
@@ -44,9 +48,3 @@ def _models(world: World, boxes: Sequence[looks.Box]) -> Iterator[CheckRow]:
         yield CheckRow(SIMULATED, 'models', '{}, {}'.format(
             sum(tree.first for tree in world.trees),
             looks.size(np.array([np.min(of_drawn, axis=0)[0], np.max(of_drawn, axis=0)[1]]))))
-
-
-def _rest(file: WorldFile) -> Iterator[CheckRow]:
-    if file.has_floor:
-        yield CheckRow(SIMULATED, 'floor', 'at z 0')
-    yield CheckRow(SIMULATED, 'gravity', '{:g} {:g} {:g} m/s2'.format(*file.gravity))

@@ -12,6 +12,8 @@ from img_recog.simulation.sensors import (contact_sensor, imu, joint_states, las
 from img_recog.simulation.sensors.sensor import SensorKind
 from img_recog.simulation.simulation_settings import CameraSettings
 
+CAMERA = SensorKind(robot_camera.CAMERA, CameraSettings, robot_camera.make, robot_camera.TAGS,
+                    Image, None, noise_number=7, only_in_tags=True)
 # sensors are read, and their readings published, in this order
 SENSORS = (
     SensorKind('odometry', odometry.OdometrySettings, odometry.make_odometry, odometry.TAGS,
@@ -27,6 +29,5 @@ SENSORS = (
     SensorKind('contact', contact_sensor.ContactSettings, contact_sensor.ContactSensor,
                contact_sensor.TAGS, robot_msgs.ContactsState, robot_msgs.contacts_to_msg,
                noise_number=6, only_in_tags=True, missing=robot_msgs.NO_CONTACTS),
-    SensorKind(robot_camera.CAMERA, CameraSettings, robot_camera.make, robot_camera.TAGS, Image,
-               None, noise_number=7, only_in_tags=True),
+    CAMERA,
 )

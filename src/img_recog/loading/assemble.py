@@ -8,9 +8,9 @@ from img_recog.formats.world_file import WorldFile
 from img_recog.loading import resources, robot_file
 from img_recog.settings import from_mapping
 from img_recog.simulation import assembly, configured_model
-from img_recog.simulation.assembly import Assembly
 from img_recog.simulation.configured_model import ReadSettings, ConfiguredModel
 from img_recog.simulation.simulation_settings import PhysicsSettings
+from img_recog.simulation.simulator import Simulator
 
 OptionName = Callable[[str], str]
 _STEP_S = PhysicsSettings().step_s
@@ -46,7 +46,7 @@ def robot_of(urdf: str, source: str, step_s: float = _STEP_S,
 def simulator(physics: PhysicsSettings, robots: Sequence[ConfiguredModel] = (),
               unused_sensors: Sequence[str] = (), option_name: OptionName = str,
               with_sensors: bool = False, with_bare: bool = False,
-              with_drives: bool = False) -> Assembly:
+              with_drives: bool = False) -> Simulator:
     """Return a simulator of robots in the world that the settings name.
 
     with_sensors: whether models of the world have the sensors in their files; other arguments and

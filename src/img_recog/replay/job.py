@@ -27,10 +27,10 @@ from img_recog.replay import scenario
 from img_recog.replay.chain import Chain, ColorRecognition, Recognition, Recorder
 from img_recog.replay.recorders import BagRecorder, PlotRecorder, TableRecorder
 from img_recog.settings import SettingError
-from img_recog.simulation.assembly import Assembly
 from img_recog.simulation.physics.body import Motion
 from img_recog.simulation.pictures.footprints import footprints
 from img_recog.simulation.simulation_settings import SpawnSettings
+from img_recog.simulation.simulator import Simulator
 
 if TYPE_CHECKING:
     from img_recog.recordings.bags import BagFrames
@@ -64,12 +64,11 @@ def replay(options: argparse.Namespace, begin_s: float, interrupts: Interrupts) 
     name = os.path.expanduser(options.input) or 'robot_in_' + os.path.basename(options.world)
     extensions = _EXTENSIONS + (('.mp4',) if options.film else ())
     paths = files.output_paths(name, os.path.expanduser(options.output), extensions)
-    built = scenario.build(
+    simulator = scenario.build(
         world_name(options.world), os.path.expanduser(options.urdf),
         spawn_settings(options), options.allow_partial_world)
-    frames = recording or _robot_frames(built, options.seconds)
+    frames = recording or _robot_frames(simulator, options.seconds)
     recognition = make_recognition(frames)
-    simulator = built.simulator
     robot, = simulator.robots
     plot = PlotRecorder(settings.colors)
     with files.atomic_write(paths) as (bag_file, csv_file, png_file, *film_files), \
@@ -109,10 +108,10 @@ def replay(options: argparse.Namespace, begin_s: float, interrupts: Interrupts) 
                     paths)
 
 
-def _robot_frames(built: Assembly, seconds: float) -> 'RobotFrames':
+def _robot_frames(simulator: Simulator, seconds: float) -> 'RobotFrames':
     # imported here because loading OpenGL and trimesh takes time
     from img_recog.replay.robot_frames import RobotFrames
-    return RobotFrames(built, scenario.camera_settings(built), seconds)
+    return RobotFrames(simulator, scenario.camera_settings(simulator), seconds)
 
 
 def _recognition(options: argparse.Namespace

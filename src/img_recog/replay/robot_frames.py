@@ -10,9 +10,9 @@ from img_recog.recordings.camera_infos import CameraInfos, of_calibration
 from img_recog.recordings.frames import SECOND_NS, Frame, Frames
 from img_recog.rendering.light import LightFilter, LightSettings
 from img_recog.settings import nearest_period
-from img_recog.simulation.assembly import Assembly
 from img_recog.simulation.sensors.robot_camera import RobotCamera
 from img_recog.simulation.simulation_settings import CameraSettings
+from img_recog.simulation.simulator import Simulator
 
 _log = logging.getLogger(__name__)
 
@@ -23,7 +23,7 @@ class RobotFrames(Frames):
     expected: the number of frames; period_ns: time between two frames.
     """
 
-    def __init__(self, built: Assembly, settings: CameraSettings, seconds: float,
+    def __init__(self, simulator: Simulator, settings: CameraSettings, seconds: float,
                  light: LightSettings = LightSettings(), noise_seed: int = 0,
                  drawn_by: Any = None):
         """Load the scene; UserError when it cannot be drawn or the robot has no such link.
@@ -32,13 +32,13 @@ class RobotFrames(Frames):
         that nothing else uses meanwhile, by default a new one.
         """
         super().__init__(settings.camera_frame)
-        self._camera, self._drawing = DrawnCamera(settings), Drawing(built.simulator, drawn_by)
-        robot, = built.simulator.robots
+        self._camera, self._drawing = DrawnCamera(settings), Drawing(simulator, drawn_by)
+        robot, = simulator.robots
         self._sensor = RobotCamera(robot.body, settings, self._drawing.poses)
         self._noise_seed = noise_seed
         self._light = None if light == LightSettings() else LightFilter(light)
         self._frame_id = settings.camera_optical_frame
-        step_s = built.simulator.world.step_s
+        step_s = simulator.world.step_s
         self.period_ns = round(nearest_period(settings.camera_rate, step_s) * SECOND_NS)
         self.expected = max(1, round(seconds * SECOND_NS / self.period_ns))
         for reason in self._drawing.missing:

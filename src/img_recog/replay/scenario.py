@@ -9,9 +9,9 @@ from img_recog.conversions.sensor_table import SENSORS
 from img_recog.errors import UserError
 from img_recog.loading import assemble
 from img_recog.replay.recorders import RECORDED
-from img_recog.simulation.assembly import Assembly
 from img_recog.simulation.simulation_settings import (CameraSettings, NoiseSettings,
                                                       PhysicsSettings, SpawnSettings)
+from img_recog.simulation.simulator import Simulator
 
 _log = logging.getLogger(__name__)
 _UNUSED_SENSORS = [kind.name for kind in SENSORS if kind.name not in RECORDED]
@@ -19,7 +19,7 @@ _UNUSED_SENSORS = [kind.name for kind in SENSORS if kind.name not in RECORDED]
 
 def build(world: str, urdf_path: str, spawn: SpawnSettings,
           allow_partial_world: bool = False, drive: Mapping[str, Any] = MappingProxyType({}),
-          noise: NoiseSettings = NoiseSettings()) -> Assembly:
+          noise: NoiseSettings = NoiseSettings()) -> Simulator:
     """Return a robot in a world, both as in the demo.
 
     world, urdf_path, allow_partial_world: like the launch arguments. drive: settings of the drive
@@ -28,20 +28,20 @@ def build(world: str, urdf_path: str, spawn: SpawnSettings,
     """
     physics = PhysicsSettings(world=world, allow_partial_world=allow_partial_world)
     robot = assemble.robot(urdf_path, '--urdf')
-    built = assemble.simulator(
+    simulator = assemble.simulator(
         physics, [robot.changed(spawn=spawn, noise=noise, drive=dataclasses.replace(
             robot.settings.drive, **drive))], _UNUSED_SENSORS, _option)
-    for line in built.report.lines():
+    for line in simulator.world.report.lines():
         _log.warning('%s', line)
-    return built
+    return simulator
 
 
-def camera_settings(built: Assembly) -> CameraSettings:
+def camera_settings(simulator: Simulator) -> CameraSettings:
     """Return the camera of the robot: the first in its URDF, else one on its link camera_link.
 
     Raises UserError if it has neither.
     """
-    robot, = built.simulator.robots
+    robot, = simulator.robots
     if robot.spec.cameras:
         return robot.spec.cameras[0]
     if robot.body.has_frame(ROBOT_LINK):

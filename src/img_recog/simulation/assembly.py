@@ -5,7 +5,7 @@ loading/assemble.py reads the files for it. Nothing is logged: what is not done 
 import dataclasses
 import heapq
 import math
-from typing import Callable, NamedTuple, Sequence
+from typing import Callable, Sequence
 
 from img_recog.errors import SimulationError, one_line, shortened
 from img_recog.formats import drive_tags
@@ -32,24 +32,12 @@ _MAX_TRIED = 10000
 _MAX_CLIMB_M = 0.05         # from one point of the grid to the next
 
 
-class Assembly(NamedTuple):
-    """What was built, and what of it is not as the files ask.
-
-    Attributes:
-        simulator: Simulator.
-        report: What is not done as the files ask.
-    """
-
-    simulator: Simulator
-    report: Report
-
-
 def build(physics: PhysicsSettings, world: WorldFile,
           robots: Sequence[ConfiguredModel], unused_sensors: Sequence[str] = (),
           option_name: Callable[[str], str] = str,
           kinds: Sequence[SensorKind] = (), with_bare: bool = False,
-          with_drives: bool = False) -> Assembly:
-    """Build a simulator of robots in a world.
+          with_drives: bool = False) -> Simulator:
+    """Build a simulator of robots in a world, whose report has what is not done as its files ask.
 
     unused_sensors: kinds of sensors that are disabled. option_name: what the user types to give
     the setting of that name, for warnings. kinds: of the sensors that models of the world can
@@ -81,7 +69,7 @@ def build(physics: PhysicsSettings, world: WorldFile,
             + ', '.join(map(option_name, ('x_pos', 'y_pos', 'z_pos'))))
     for model in simulator.models:
         add_sensors(simulated_world, model, kinds, with_bare)
-    return Assembly(simulator, report)
+    return simulator
 
 
 def _add_driven(simulator: Simulator, tree: Tree, kinds: Sequence[SensorKind],

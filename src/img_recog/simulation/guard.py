@@ -1,7 +1,6 @@
 """Keeps what the physics throws to infinity away from the rest of the world."""
-import itertools
 import math
-from typing import Dict, Iterable, Iterator, List, Sequence, Set
+from typing import Dict, Iterable, List, Sequence, Set
 
 from img_recog.report import NOTE
 from img_recog.simulation.physics.body import BodyState
@@ -88,15 +87,13 @@ class Guard:
         """Look for bodies that were added or removed."""
         self._models = [model for model in self._world.models
                         if model.bodies[0] is not self._world.floor]
-        bodies = set(self._bodies())
-        self._frozen = {body: fixed for body, fixed in self._frozen.items() if body in bodies}
+        self._bodies = [body for model in self._models for body in model.bodies]
+        self._frozen = {body: fixed for body, fixed in self._frozen.items()
+                        if body in self._bodies}
         self._revision = self._world.revision
 
-    def _bodies(self) -> Iterator[FramedBody]:
-        return itertools.chain.from_iterable(model.bodies for model in self._models)
-
     def _save(self, steps: int) -> None:
-        self._states = {body: body.state() for body in self._bodies()
+        self._states = {body: body.state() for body in self._bodies
                         if body not in self._frozen and _moves(body)}
         self._moving, self._asleep = list(self._states), set()
         self._saved_at = self._looked_at = steps

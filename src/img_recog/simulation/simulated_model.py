@@ -83,6 +83,8 @@ class MountedSensors:
         body: Body whose links carry the sensors.
         settings: Settings of all sensors, in which an empty frame is the root link.
         missing: Links that the body does not have, by the names of the sensors that are left out.
+        published: Sensors whose readings are messages; the other ones are drawn, and are disabled
+            until then.
         enabled: Sensors that are read.
     """
 
@@ -99,6 +101,7 @@ class MountedSensors:
                                   body.model.root) for each in spec.sensors})
         self._sensors: Dict[str, ScheduledSensor] = {}
         self.missing: Dict[str, str] = {}
+        self.published: List[ConfiguredSensor] = []
         for each in spec.sensors:
             self._mount(each, self.settings.sensors[each.name], drive)
         self._find_enabled()
@@ -124,7 +127,10 @@ class MountedSensors:
             kind.period_steps(settings, self._world.step_s),
             kind.make(Mount(self.body, self._world, noise, drive, mount, link,
                             sensor.values.get(kind.name + '_noises', ())), settings), noise)
-        self._sensors[sensor.name].enabled = not kind.is_drawn
+        if kind.is_drawn:
+            self._sensors[sensor.name].enabled = False
+        else:
+            self.published.append(sensor)
 
     @property
     def cameras(self) -> Dict[str, RobotCamera]:

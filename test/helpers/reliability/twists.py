@@ -32,7 +32,7 @@ class _Check:
     """Gives Twists to the conversion, and what it accepts to a simulated robot."""
 
     def __init__(self, drive: DriveSettings):
-        self._simulator = robots.simulator(drive=drive)
+        self._simulator = robots.assemble(drive=drive)
         self._robot = self._simulator.robots[0]
         self.accepted = self.refused = self.undecodable = 0
 

@@ -64,7 +64,7 @@ def test_a_collision_ends_it_and_is_named(tmp_path):
 def test_touches_between_two_images_are_counted(tmp_path):
     path = tmp_path / 'a.world'
     path.write_text(sdf.sdf(sdf.BUILT_IN, POST.format('pillar', 0.25, 'White')))
-    simulator = assemble(str(path)).simulator
+    simulator = assemble(str(path))
     robot, = simulator.robots
     judge = sweep_run.Judge(simulator, 'pillar', Success(0.01, collisions=9))
     for speed, steps in 2 * ((0.2, 1500), (-0.2, 1000)):
@@ -89,7 +89,7 @@ def test_a_world_without_the_goal(field):
 @pytest.mark.parametrize('position, speed', [((0, 0, -11), 0), ((math.nan, 0, 0), 0),
                                              ((0, 0, 0), 101)])
 def test_a_robot_that_is_thrown_is_a_problem(field, position, speed):
-    judge = sweep_run.Judge(assemble(field).simulator, 'blue*', Success())
+    judge = sweep_run.Judge(assemble(field), 'blue*', Success())
     motion = Motion(position, (0, 0, 0, 1), (speed, 0, 0), (0, 0, 0))
     with pytest.raises(UserError, match='has thrown the robot: at 2.00 s'):
         judge.on_frame(FrameResult(None, 2 * 10 ** 9, [], [], [], motion))

@@ -58,7 +58,7 @@ def test_no_controller_without_the_plugin_that_runs_them(given):
     (plugin('gazebo_ros_tricycle_drive'), {}, 'it has: plugin libgazebo_ros_tricycle_drive.so;'),
     ('', {}, 'it does not drive, as it has no drive that is simulated;')])
 def test_a_robot_without_a_drive_that_is_simulated_is_told_so_in_one_line(elements, given, wanted):
-    warnings = assembled(robot(elements), given).report.lines()
+    warnings = assembled(robot(elements), given).world.report.lines()
     line, = [each for each in warnings if 'does not drive' in each]
     assert line.startswith('robot.urdf: it does not drive, as it has no drive that is simulated')
     assert wanted in line and 'set left_joint and right_joint' in line

@@ -42,7 +42,7 @@ def test_a_light_of_a_link_moves_with_it(tmp_path):
                         '</pose>{}</link></model>'.format(LAMP.format('a'))))
     tag = '<gazebo reference="base_scan">{}</gazebo></robot>'.format(LAMP.format('b'))
     built = assemble(str(path), urdf=burger().replace('</robot>', tag))
-    parts = Parts(built.simulator)
+    parts = Parts(built)
     found = parts.scene().lights
     names = {number: name for each in parts.numbers() for name, number in each.items()}
     places = {names[part]: each.pose.translation for part, each in found if part >= 0}

@@ -57,7 +57,7 @@ def test_sizes_of_zero_and_mirrored_meshes_are_allowed(tmp_path):
     shapes = ('<box size="0 1 1"/>', '<sphere radius="0"/>', '<cylinder radius="0" length="0"/>',
               '<mesh filename="{}" scale="-1 1 1"/>'.format(tmp_path / 'a.obj'))
     visuals = ''.join('<visual><geometry>{}</geometry></visual>'.format(each) for each in shapes)
-    assert assemble(urdf=robot(visuals), find_mesh=lambda uri: uri).report.lines() == []
+    assert assemble(urdf=robot(visuals), find_mesh=lambda uri: uri).world.report.lines() == []
 
 
 def test_a_relative_path_of_a_mesh_becomes_absolute(monkeypatch, tmp_path):

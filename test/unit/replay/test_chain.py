@@ -15,7 +15,7 @@ PERIOD = 40 * MS
 
 def replayed(frames, teleop=False, period_ns=PERIOD, **settings):
     """Run frames through a chain in the empty world; return the log and the simulator."""
-    log, simulator = EventLog(), robots.simulator()
+    log, simulator = EventLog(), robots.assemble()
     recognition = ColorRecognition(with_colors()(**settings))
     chain = Chain(simulator, recognition, teleop, [log])
     chain.end(chain.run(recognition.measure(frames)) + period_ns)
@@ -47,7 +47,7 @@ def test_the_idle_teleop_sends_zeros_at_10_hz_before_the_frame_of_the_same_time(
 
 def test_the_robot_drives_as_the_simulator_does_with_the_same_commands():
     log, simulator = replayed(video((), (BLUE,), (), (RED,), ()))
-    same = robots.simulator()
+    same = robots.assemble()
     robot = same.robots[0]
     same.advance(40)
     robot.command(10.0, 0.0)

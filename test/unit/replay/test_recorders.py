@@ -41,8 +41,8 @@ def replayed(start_ns=0, seen=PICTURE, **odometry):
     settings, log = with_colors()(), EventLog()
     bag_file, csv_file = BagFile(), io.BytesIO()
     plot = PlotRecorder(settings.colors)
-    simulator = robots.simulator('turtlebot3_world', -2.0, -0.5,
-                                 odometry=robots.burgers('odometry', **odometry))
+    simulator = robots.assemble('turtlebot3_world', -2.0, -0.5,
+                                odometry=robots.burgers('odometry', **odometry))
     bag = BagRecorder(bag_file, settings.color_names, simulator.robots[0].settings.sensors)
     recognition = ColorRecognition(settings)
     frames = (frame(number, start_ns + number * PERIOD_NS, *colors)

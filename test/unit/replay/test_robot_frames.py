@@ -47,9 +47,9 @@ def test_frames_at_the_period_of_the_camera_with_their_time(field):
 def test_a_frame_shows_where_the_robot_is_at_its_time(field):
     built = assemble(field)
     frames = RobotFrames(built, SETTINGS, 1.0)
-    frames.follow(lambda time_ns: built.simulator.advance(
-        round(time_ns / 1e6) - round(built.simulator.time_s * 1000)))
-    built.simulator.robots[0].command(0.5, 0.0)
+    frames.follow(lambda time_ns: built.advance(
+        round(time_ns / 1e6) - round(built.time_s * 1000)))
+    built.robots[0].command(0.5, 0.0)
     areas = [blue_px(frame.image) for frame in frames]
     assert areas[0] > 50 and areas[-1] > 1.2 * areas[0]
     turned = RobotFrames(assemble(field, yaw=math.pi), SETTINGS, 0.01)

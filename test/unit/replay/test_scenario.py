@@ -28,7 +28,7 @@ def robot_file(tmp_path):
 
 
 def build(path, world='empty', **spawn):
-    return scenario.build(world, path, SpawnSettings(**spawn)).simulator
+    return scenario.build(world, path, SpawnSettings(**spawn))
 
 
 def test_the_demos_robot_in_the_demos_world(caplog):

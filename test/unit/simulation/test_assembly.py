@@ -55,7 +55,7 @@ def test_tags_of_links_that_are_not_there_are_not_used():
                                               ('encoder', (1.0, 2.0, 0.5))])
 def test_where_the_odometry_is_zero(odometry, origin):
     sim = assemble(x=1.0, y=2.0, yaw=0.5,
-                   odometry=OdometrySettings(odometry_source=odometry)).simulator
+                   odometry=OdometrySettings(odometry_source=odometry))
     sim.robots[0].move_to(3.0, 3.0, 0.0)
     assert sim.robots[0].odometry_origin == origin
 
@@ -71,45 +71,45 @@ def test_default_settings_are_those_of_tags_and_else_the_defaults():
 
 def test_simulator_and_scene_of_the_world_and_the_robot():
     built = assemble('turtlebot3_world', x=-2.0, y=-0.5)
-    robot, = built.simulator.robots
+    robot, = built.robots
     assert robot.body.motion().position == pytest.approx([-2.0, -0.5, 0.0], abs=1e-6)
-    assert [body.name for body in built.simulator.world.scenery] == ['turtlebot3_world']
-    assert [tree.name for tree in built.simulator.world.trees] == [
+    assert [body.name for body in built.world.scenery] == ['turtlebot3_world']
+    assert [tree.name for tree in built.world.trees] == [
         'turtlebot3_world', 'turtlebot3_burger']
-    assert built.simulator.world.file.name == 'turtlebot3_world'
-    assert built.report.lines() == []
+    assert built.world.file.name == 'turtlebot3_world'
+    assert built.world.report.lines() == []
 
 
 def test_sensors_without_a_link_are_warned_of_unless_unused():
     urdf, unused = burger(UNIT), ('imu', 'scan')
-    assert assemble(urdf=urdf).report.lines() == [
+    assert assemble(urdf=urdf).world.report.lines() == [
         'robot_description: not simulated: sensor imu: no link torso']
-    assert assemble(urdf=urdf, unused_sensors=unused).report.lines() == []
-    simulator = assemble(urdf=urdf).simulator
+    assert assemble(urdf=urdf, unused_sensors=unused).world.report.lines() == []
+    simulator = assemble(urdf=urdf)
     robot, = simulator.robots
     assert robot.mounted.missing == {'imu': 'torso'} and simulator.advance(400) == []
     robot.mounted.set_enabled('imu', True)
     # those that have their links are disabled
-    readings = assemble(unused_sensors=unused).simulator.advance(400)
+    readings = assemble(unused_sensors=unused).advance(400)
     assert {reading.sensor for reading in readings} == {'odometry', 'joint_states'}
 
 
 @pytest.mark.parametrize('option_name, names', [
     (str, 'x_pos, y_pos, z_pos'), (str.upper, 'X_POS, Y_POS, Z_POS')])
 def test_overlap_at_the_start_names_the_options(option_name, names):
-    warning, = assemble('turtlebot3_world', 0.0, 0.1, option_name=option_name).report.lines()
+    warning, = assemble('turtlebot3_world', 0.0, 0.1, option_name=option_name).world.report.lines()
     assert warning.startswith('turtlebot3_burger in turtlebot3_world: ')
     assert warning.endswith('set ' + names)
 
 
 def test_warnings_of_the_world_file_come_first():
     world = sdf('<include><uri>model://table</uri></include>')
-    warnings = assemble(world, urdf=burger(UNIT), allow_partial=True).report.lines()
+    warnings = assemble(world, urdf=burger(UNIT), allow_partial=True).world.report.lines()
     assert len(warnings) == 3 and 'model://table' in warnings[0] and 'imu' in warnings[1]
 
 
 def test_warns_of_what_was_lifted_out_of_the_floor():
-    assert assemble(sdf(BUILT_IN, CRATE.format('2 0 0 0 0 0'))).report.lines() == [
+    assert assemble(sdf(BUILT_IN, CRATE.format('2 0 0 0 0 0'))).world.report.lines() == [
         'world hall: in the floor at the start, and lifted onto it: crate by 0.100 m']
 
 
@@ -152,7 +152,7 @@ def test_the_controllers_of_a_robot_are_asked_for_once():
 def test_robots_in_one_place_are_one_line():
     urdf = burger('')
     robots = [read(urdf.replace('turtlebot3_burger', name)) for name in ('one', 'two')]
-    warnings = build('empty', robots).report.lines()
+    warnings = build('empty', robots).world.report.lines()
     assert [line for line in warnings if 'overlap' in line] == [
         'one in two: they overlap at the start, and the physics will throw them apart; set '
         'x_pos, y_pos, z_pos']

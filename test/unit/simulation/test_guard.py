@@ -25,7 +25,7 @@ class Run:
     """A robot that drives beside crates; lines: what was said."""
 
     def __init__(self, world=CRATES):
-        self.simulator = assemble(world).simulator
+        self.simulator = assemble(world)
         self.lines = []
         self.simulator.world.report.listen(self.lines.append)
         self.bodies = {body.name: body for body in self.simulator.world.scenery}
@@ -170,4 +170,4 @@ def test_a_model_of_a_world_with_a_drive_is_read_without_its_encoders():
         'filename="libgazebo_ros_diff_drive.so"><leftJoint>j</leftJoint></plugin></model>'))
     file = world_file.read('hall.world', {}, read_file=lambda path: text)
     built = assembly.build(PhysicsSettings(world='hall.world'), file, [], kinds=SENSORS)
-    assert built.simulator.advance(200) == []
+    assert built.advance(200) == []

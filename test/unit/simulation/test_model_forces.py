@@ -6,7 +6,7 @@ import pytest
 from img_recog.simulation.models import Models
 from img_recog_helpers import sdf
 from img_recog_helpers.refusals import refusal
-from img_recog_helpers.robots import simulator
+from img_recog_helpers.robots import assemble
 
 ARM = '''<joint name="fix" type="fixed"><parent>world</parent><child>base</child></joint>
   <joint name="{0}_joint" type="revolute"><parent>base</parent><child>arm</child>
@@ -18,7 +18,7 @@ ZERO = (0.0, 0.0, 0.0)
 
 @pytest.fixture
 def sim():
-    return simulator(sdf.sdf('<gravity>0 0 0</gravity>', BOX, *(
+    return assemble(sdf.sdf('<gravity>0 0 0</gravity>', BOX, *(
         sdf.model(name, sdf.link('base', '0 0 1'), sdf.link('arm', '0 0 1', moments=0.5),
                   ARM.format(name, limit), pose=str(x))
         for name, x, limit in (('free', 3, ''), ('weak', 6, '<effort>0.3</effort>'),

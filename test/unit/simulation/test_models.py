@@ -12,7 +12,7 @@ from img_recog.simulation.pictures.visual_scene import Parts
 from img_recog.simulation.sensors.odometry import OdometrySettings
 from img_recog_helpers import sdf
 from img_recog_helpers.refusals import refusal
-from img_recog_helpers.robots import burgers, simulator
+from img_recog_helpers.robots import assemble, burgers
 
 ROBOT = 'turtlebot3_burger'
 UPRIGHT = (0.0, 0.0, 0.0, 1.0)
@@ -29,7 +29,7 @@ def close(value):
 
 def with_crates(*crates, static=False, **settings):
     """Return a simulator of the burger and crates: a name and a pose each."""
-    return simulator(sdf.sdf(sdf.BUILT_IN, *(
+    return assemble(sdf.sdf(sdf.BUILT_IN, *(
         sdf.body(name, pose, sdf.box(0.2, 0.2, 0.2), static, mass=2, moments=0.02)
         for name, pose in crates)), **settings)
 
@@ -39,9 +39,9 @@ def readings(sim, sensor, steps):
 
 
 def test_names_are_those_of_floor_world_and_robot():
-    assert Models(simulator('turtlebot3_world')).names == [
+    assert Models(assemble('turtlebot3_world')).names == [
         'ground_plane', 'turtlebot3_world', ROBOT]
-    assert Models(simulator()).names == ['ground_plane', ROBOT]
+    assert Models(assemble()).names == ['ground_plane', ROBOT]
     # of equal names, the first stays, and a robot gets another one
     models = Models(with_crates(*[('a', '{} 0 1 0 0 0'.format(x)) for x in range(3)],
                                 (ROBOT, '5 0 1 0 0 0')))
@@ -64,7 +64,7 @@ def test_models_of_files_are_found_by_any_name():
 
 
 def test_state_in_the_world():
-    sim = simulator(x=1.0, y=-2.0, yaw=math.pi / 2)
+    sim = assemble(x=1.0, y=-2.0, yaw=math.pi / 2)
     models = Models(sim)
     state = models.state(ROBOT)
     assert state.position == close([1, -2, 0]) and state.orientation == close(LEFT)
@@ -96,7 +96,7 @@ def test_state_seen_from_a_turned_model():
 
 
 def test_set_state_in_the_world_with_a_velocity():
-    sim = simulator('turtlebot3_world', x=-2.0, y=-0.5)
+    sim = assemble('turtlebot3_world', x=-2.0, y=-0.5)
     sim.robots[0].command(0.2, 0.1)
     sim.advance(500)
     models = Models(sim)
@@ -129,7 +129,7 @@ def test_set_state_in_the_frame_of_another_model():
 
 @pytest.mark.parametrize('factor', [1e-3, 0.5, -3.0, 0.0])
 def test_orientation_of_any_length_is_a_rotation(factor):
-    models = Models(simulator(yaw=1.0))
+    models = Models(assemble(yaw=1.0))
     long = tuple(factor * value for value in LEFT)
     models.set_state(ROBOT, State((1.0, 2.0, 0.0), long, REST, REST))
     state = models.state(ROBOT)
@@ -152,7 +152,7 @@ def teleported(sim, name=ROBOT):
 def test_a_teleport_is_not_an_acceleration_and_changes_the_odometry(has_twin):
     # a model that is called like the robot is not it
     sim = teleported(with_crates((ROBOT, '3 0 0.1 0 0 0'), imu=QUIET)
-                     if has_twin else simulator(imu=QUIET), ROBOT + '_0' * has_twin)
+                     if has_twin else assemble(imu=QUIET), ROBOT + '_0' * has_twin)
     first = readings(sim, 'imu', 5)[0]
     assert np.linalg.norm(np.subtract(first.linear_acceleration, [0, 0, 9.8])) < 0.5
     assert first.orientation == pytest.approx(LEFT, abs=0.01)
@@ -161,7 +161,7 @@ def test_a_teleport_is_not_an_acceleration_and_changes_the_odometry(has_twin):
 
 
 def test_a_teleport_turns_no_wheel():
-    sim = teleported(simulator(odometry=OdometrySettings(odometry_source='encoder')))
+    sim = teleported(assemble(odometry=OdometrySettings(odometry_source='encoder')))
     assert np.abs([value.linear[0] for value in readings(sim, 'odometry', 66)]).max() < 0.6
 
 
@@ -185,7 +185,7 @@ def test_static_model_is_moved_until_the_world_is_reset():
 
 
 def test_model_with_loose_links_is_one_model_that_moves_rigidly():
-    sim = simulator(sdf.sdf(sdf.BUILT_IN, sdf.model(
+    sim = assemble(sdf.sdf(sdf.BUILT_IN, sdf.model(
         'pair', sdf.link('a', '0 1 1', sdf.ball(0.1)), sdf.link('b', '0 -1 1', sdf.ball(0.1)),
         pose='1 0 0')))
     models = Models(sim)
@@ -222,7 +222,7 @@ def nowhere(_):
 
 
 def test_added_model_is_simulated_seen_and_removed():
-    sim = simulator(yaw=0.0)
+    sim = assemble(yaw=0.0)
     models = Models(sim)
     ball = State((2.0, 1.0, 0.0), (0.0, 0.0, 0.0, 0.0), REST, REST)
     models.add('ball', model_file.read(BALL, 'ball', nowhere, Report()), ball)
@@ -242,7 +242,7 @@ def test_added_model_is_simulated_seen_and_removed():
 
 
 def test_added_model_stands_in_the_frame_of_another():
-    models = Models(simulator(x=1.0, yaw=math.pi / 2))
+    models = Models(assemble(x=1.0, yaw=math.pi / 2))
     models.add('ball', model_file.read(BALL, 'ball', nowhere, Report()),
                State((1.0, 0.0, 0.0), UPRIGHT, REST, REST), ROBOT)
     assert models.state('ball').position == pytest.approx([1, 1, 0.5], abs=1e-3)
@@ -254,7 +254,7 @@ def test_added_model_stands_in_the_frame_of_another():
     ('ball', GOOD._replace(position=(0.0, NAN, 0.0)), 'world', 'finite numbers'),
     ('ball', GOOD, 'map', "no model 'map' (models: ground_plane, ")])
 def test_refused_model_is_not_added(name, state, frame, words):
-    sim = simulator()
+    sim = assemble()
     models, revision = Models(sim), sim.world.revision
     ball = model_file.read(BALL, name, nowhere, Report())
     assert words in refusal(models.add, name, ball, state, frame)
@@ -265,7 +265,7 @@ def test_refused_model_is_not_added(name, state, frame, words):
 def test_model_that_pybullet_cannot_load_leaves_nothing(tmp_path):
     (tmp_path / 'cut.stl').write_bytes(b'solid')
     text = BALL.replace(sdf.ball(0.1), '<mesh><uri>{}</uri></mesh>'.format(tmp_path / 'cut.stl'))
-    sim = simulator()
+    sim = assemble()
     models = Models(sim)
     bodies = pybullet.getNumBodies(physicsClientId=sim.world.physics_client_id)
     assert 'model ball: cannot read the mesh' in refusal(
@@ -275,7 +275,7 @@ def test_model_that_pybullet_cannot_load_leaves_nothing(tmp_path):
 
 
 def test_a_robot_can_be_deleted_and_the_floor_cannot():
-    sim = simulator()
+    sim = assemble()
     models = Models(sim)
     assert 'model ground_plane cannot be deleted' in refusal(models.remove, 'ground_plane')
     assert "no model 'r2d2' (models: ground_plane, " in refusal(models.remove, 'r2d2')
@@ -297,7 +297,7 @@ def test_a_robot_can_be_deleted_and_the_floor_cannot():
     (ROBOT + '::wheel_left_link', GOOD, 'world', "has no link 'wheel_left_link' without a joint "
      'above it (such links: base_footprint)')])
 def test_refusals_leave_everything_where_it_is(name, state, frame, words):
-    sim = simulator('turtlebot3_world', x=-2.0, y=-0.5)
+    sim = assemble('turtlebot3_world', x=-2.0, y=-0.5)
     models = Models(sim)
     assert words in refusal(models.set_state, name, state, frame)
     assert models.state(ROBOT).position == close([-2, -0.5, 0])

@@ -10,7 +10,7 @@ from img_recog.report import lines_of
 from img_recog.simulation import assembly
 from img_recog.simulation.models import Models
 from img_recog.simulation.simulation_settings import PhysicsSettings
-from img_recog_helpers.robots import simulator
+from img_recog_helpers.robots import assemble
 from img_recog_helpers.sdf import BUILT_IN, box, convert, link, model, sdf
 
 WALL = link('wall', '2', box(0.2, 9, 9))
@@ -30,7 +30,7 @@ def build(*inside):
 
 
 def mounted(*inside):
-    found, = build(*inside).simulator.sensors
+    found, = build(*inside).sensors
     return found
 
 
@@ -60,7 +60,7 @@ def test_a_scanner_sees_its_own_model_from_inside_as_in_gazebo(near, pitch, expe
 
 
 def test_the_readings_of_a_model_are_those_of_its_rate_and_end_with_it():
-    simulator = build(WALL, EYE.format(SENSOR.format('s', 'ray', RAY))).simulator
+    simulator = build(WALL, EYE.format(SENSOR.format('s', 'ray', RAY)))
     assert [round(each.time_s, 3) for each in simulator.advance(60)] == [0.02, 0.04, 0.06]
     Models(simulator).remove('m')
     assert simulator.advance(60) == [] and not simulator.sensors
@@ -68,7 +68,7 @@ def test_the_readings_of_a_model_are_those_of_its_rate_and_end_with_it():
 
 def test_an_imu_that_falls_feels_nothing():
     simulator = build('<pose>0 0 9 0 0 0</pose>', link(inside=SENSOR.format(
-        'tilt', 'imu', '<update_rate>100</update_rate>'))).simulator
+        'tilt', 'imu', '<update_rate>100</update_rate>')))
     *_, last = simulator.advance(100)
     assert last.value.linear_acceleration == pytest.approx((0, 0, 0), abs=1e-6)
 
@@ -88,7 +88,7 @@ def test_cameras_are_named_by_their_sensors():
      'model m: not simulated: its sensors; cannot use the robot in model m: '
      "<ray/scan/horizontal/samples> of sensor s: got 'x', expected a whole number")])
 def test_what_of_sensors_is_not_simulated_is_said(inside, words):
-    assert build(EYE.format(inside)).report.lines() == [words]
+    assert build(EYE.format(inside)).world.report.lines() == [words]
 
 
 def test_a_sensor_with_a_plugin_that_publishes_is_not_bare():
@@ -102,7 +102,7 @@ DOOR = model('door', '<link name="l"/><joint name="j" type="revolute"><parent>wo
 
 @pytest.mark.parametrize('world', ['turtlebot3_world', sdf(DOOR)], ids=['urdf', 'door'])
 def test_the_state_of_models_whose_root_link_is_not_in_their_file(world):
-    models = Models(simulator(world))
+    models = Models(assemble(world))
     for name in models.names:
         assert models.state(name).linear.tolist() == pytest.approx([0, 0, 0], abs=1e-3)
 
@@ -119,12 +119,12 @@ def test_a_bumper_and_a_depth_camera_of_a_model_of_a_world():
     # also where gazebo_msgs is not installed
     kinds = [kind._replace(missing='') for kind in SENSORS]
     built = assembly.build(PhysicsSettings(), file, [], kinds=kinds)
-    touches = [each.value for each in built.simulator.advance(500)]
+    touches = [each.value for each in built.advance(500)]
     assert len(touches) == 25
     touch, = touches[-1]
     assert (touch.own, touch.other) == ('m::l', 'ground_plane::link')
     assert touch.forces.sum(axis=0) == pytest.approx([0, 0, 2 * 9.8], abs=0.5)
-    camera, = built.simulator.sensors[0].spec.cameras
+    camera, = built.sensors[0].spec.cameras
     assert (camera.camera_width, camera.camera_x, camera.camera_depth_topic) == (
         32, 0.1, 'depth/image_raw')
     assert lines_of(file.findings) == [

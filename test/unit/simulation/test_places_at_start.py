@@ -27,5 +27,5 @@ def test_a_robot_without_a_floor_below_it(tmp_path, models, z, lines):
                                         'f 1 2 3 4\n')
     path = tmp_path / 'hall.world'
     path.write_text(sdf(*models))
-    found = assemble(str(path), z=z).report.lines()
+    found = assemble(str(path), z=z).world.report.lines()
     assert [line for line in found if 'burger: it' in line] == lines

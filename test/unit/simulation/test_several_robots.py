@@ -26,7 +26,7 @@ def several(places, world='turtlebot3_world', **groups):
     """Return the simulator of robots tb3_0, tb3_1 and so on at places (x, y, yaw)."""
     robots = [spec('tb3_{}'.format(number), *place, **groups)
               for number, place in enumerate(places)]
-    return build(world, robots).simulator
+    return build(world, robots)
 
 
 def drive(sim, numbers):

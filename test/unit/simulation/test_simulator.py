@@ -8,13 +8,13 @@ import pytest
 from img_recog.simulation.sensors.joint_states import JointStateSettings
 from img_recog.simulation.sensors.odometry import OdometrySettings
 from img_recog_helpers.refusals import refusal
-from img_recog_helpers.robots import burgers, burgers_drive, simulator
+from img_recog_helpers.robots import assemble, burgers, burgers_drive
 
 SENSORS = ('odometry', 'joint_states', 'imu', 'scan')
 
 
 def test_stands_still():
-    sim = simulator()
+    sim = assemble()
     sim.advance(1000)
     before = sim.robots[0].body.motion()
     sim.advance(6000)
@@ -26,7 +26,7 @@ def test_stands_still():
 
 @pytest.mark.parametrize('yaw, speed', [(0.0, 0.22), (2.0, 0.22), (math.pi / 2, -0.22)])
 def test_drives_straight_and_its_wheels_turn_as_far(yaw, speed):
-    sim = simulator(yaw=yaw)
+    sim = assemble(yaw=yaw)
     robot = sim.robots[0].body
     sim.robots[0].command(speed, 0.0)
     sim.advance(1000)
@@ -47,7 +47,7 @@ def test_drives_straight_and_its_wheels_turn_as_far(yaw, speed):
 
 def test_at_the_speed_of_the_article_it_stays_on_its_wheels():
     # the command is 10 m/s: its wheels turn with more than 300 rad/s
-    sim = simulator()
+    sim = assemble()
     sim.robots[0].command(10.0, 0.0)
     for second in range(1, 12):
         sim.advance(1000)
@@ -59,8 +59,8 @@ def test_at_the_speed_of_the_article_it_stays_on_its_wheels():
 
 
 def test_sensors_observe_at_their_periods():
-    sim = simulator(odometry=OdometrySettings(odometry_period_s=0.01),
-                    joint_states=JointStateSettings(joint_states_period_s=0.025))
+    sim = assemble(odometry=OdometrySettings(odometry_period_s=0.01),
+                   joint_states=JointStateSettings(joint_states_period_s=0.025))
     readings = sim.advance(100)
     times = {name: [round(each.time_s, 6) for each in readings if each.sensor == name]
              for name in ('odometry', 'joint_states')}
@@ -73,7 +73,7 @@ def drive_with(switches, cut=10):
 
     Returns the motion after each piece, to the bit, and the readings.
     """
-    sim = simulator('turtlebot3_world', x=-2.0, y=-0.5)
+    sim = assemble('turtlebot3_world', x=-2.0, y=-0.5)
     robot, places, readings = sim.robots[0], [], []
     for quarter, command in enumerate(((0.2, 0.0), (10.0, 0.4), (-10.0, 0.0), (0.0, 2.0))):
         robot.command(*command)
@@ -127,7 +127,7 @@ def test_noise_of_a_reading_does_not_depend_on_when_the_sensor_was_enabled(quart
 
 
 def test_imu_that_is_enabled_again_measures_no_acceleration_of_what_it_missed():
-    sim = simulator()
+    sim = assemble()
     sim.advance(1000)
     sim.robots[0].mounted.set_enabled('imu', False)
     sim.robots[0].command(0.5, 0.0)
@@ -148,11 +148,11 @@ def test_imu_that_is_enabled_again_measures_no_acceleration_of_what_it_missed():
       for nearest in (3.5, 4.0)),
     ({'world_name': 'mars'}, "world: got 'mars'")])
 def test_refusals(settings, words):
-    assert words in refusal(simulator, **settings)
+    assert words in refusal(assemble, **settings)
 
 
 def test_what_touches_the_robot_from_the_side_is_named():
-    sim = simulator('turtlebot3_world', x=-2.0, y=-0.5)
+    sim = assemble('turtlebot3_world', x=-2.0, y=-0.5)
     robot = sim.robots[0].body
     sim.advance(100)
     assert sim.touched(robot) == []         # it stands on the floor

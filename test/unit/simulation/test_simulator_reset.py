@@ -5,11 +5,11 @@ import pybullet
 import pytest
 
 from img_recog_helpers import sdf
-from img_recog_helpers.robots import burgers, simulator
+from img_recog_helpers.robots import assemble, burgers
 
 
 def test_reset_world_keeps_time_and_forgets_the_command():
-    sim = simulator(x=-2.0)
+    sim = assemble(x=-2.0)
     sim.robots[0].command(1.0, 0.5)
     sim.advance(2000)
     revision = sim.world.revision
@@ -22,7 +22,7 @@ def test_reset_world_keeps_time_and_forgets_the_command():
 
 
 def test_a_robot_that_is_moved_stands_where_it_was_put():
-    sim = simulator(x=-2.0)
+    sim = assemble(x=-2.0)
     robot = sim.robots[0]
     robot.command(0.5, 1.0)
     sim.advance(1000)
@@ -43,7 +43,7 @@ def test_a_robot_that_is_moved_stands_where_it_was_put():
 
 
 def test_reset_of_the_robot_stops_its_wheels():
-    sim = simulator()
+    sim = assemble()
     robot = sim.robots[0].body
     sim.robots[0].command(0.2, 0.0)
     sim.advance(2000)
@@ -58,7 +58,7 @@ def test_reset_of_the_robot_stops_its_wheels():
 
 @pytest.mark.parametrize('reset', ['reset_world', 'reset_simulation'])
 def test_reset_puts_the_bodies_of_the_world_back(reset):
-    sim = simulator(sdf.sdf(sdf.body('crate', '1 2 0.5 0 0 0.3', sdf.box(0.1, 0.1, 0.1))))
+    sim = assemble(sdf.sdf(sdf.body('crate', '1 2 0.5 0 0 0.3', sdf.box(0.1, 0.1, 0.1))))
     crate = sim.world.scenery[0]
     before = crate.motion()
     sim.advance(200)
@@ -74,8 +74,8 @@ def test_after_a_reset_all_moves_and_is_measured_as_before():
     crates = [sdf.body('crate{}'.format(number), '{} {} {} 0 0 0.{}'.format(
         0.4 + 0.07 * (number % 3), 0.08 * (number % 2), 0.05 + 0.095 * number, number),
         sdf.box(0.2, 0.2, 0.1)) for number in range(8)]
-    sim = simulator(sdf.sdf(sdf.BUILT_IN, *crates), scan=burgers('scan', scan_noise=0.01),
-                    imu=burgers('imu', gyro_noise=0.01, accel_noise=0.1))
+    sim = assemble(sdf.sdf(sdf.BUILT_IN, *crates), scan=burgers('scan', scan_noise=0.01),
+                   imu=burgers('imu', gyro_noise=0.01, accel_noise=0.1))
     bodies = [sim.robots[0].body, *sim.world.scenery]
 
     def drive():
@@ -99,7 +99,7 @@ def test_after_a_reset_all_moves_and_is_measured_as_before():
 
 
 def test_reset_simulation_sets_the_time_to_zero():
-    sim = simulator()
+    sim = assemble()
     sim.robots[0].command(1.0, 0.0)
     sim.advance(1000)
     sim.reset_simulation()
@@ -111,7 +111,7 @@ def test_reset_simulation_sets_the_time_to_zero():
 
 def test_noise_after_a_reset_does_not_depend_on_whether_the_sensor_was_enabled_before():
     def measured(is_enabled):
-        sim = simulator()
+        sim = assemble()
         sim.advance(100)
         sim.robots[0].mounted.set_enabled('imu', is_enabled)
         sim.advance(200)

@@ -133,7 +133,7 @@ def test_what_is_measured_counts_where_no_tag_says_it():
         'robot_description: wheel_diameter is 0.06 m, but in the URDF it is 0.066 m: the robot '
         'will move at another speed than commanded',))])
 def test_a_contradiction_is_a_warning(settings, lines):
-    assert assemble(drive=burgers_drive(**settings)).report.lines() == list(lines)
+    assert assemble(drive=burgers_drive(**settings)).world.report.lines() == list(lines)
 
 
 NOT_MEASURED = ('robot.urdf: the URDF does not state the diameter of the wheels, and it cannot be '
@@ -163,9 +163,9 @@ def test_the_radius_of_a_mesh_is_measured_about_the_axis_of_its_joint(
     built = wheeled.assembled(wheeled.robot(
         wheeled.plugin('gazebo_ros_diff_drive', **DIFF_DRIVE, **tags), shape=shape),
         find_mesh=lambda uri: str(path))
-    drive = built.simulator.robots[0].settings.drive
+    drive = built.robots[0].settings.drive
     assert (drive.wheel_diameter, drive.wheel_separation) == (diameter, 0.4)
-    assert [line for line in built.report.lines() if 'wheel_' in line] == lines
+    assert [line for line in built.world.report.lines() if 'wheel_' in line] == lines
 
 
 @pytest.mark.parametrize('measured, given, diameter, count', [

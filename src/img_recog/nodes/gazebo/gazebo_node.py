@@ -87,12 +87,12 @@ class Gazebo:
         parameters.warn_of_unknown(*_SETTINGS, also_known=[ROBOTS[1:]])
         reader = RobotReader(physics.step_s)
         single = None if which.several_robots else reader.single()
-        built = assemble.simulator(physics, [] if single is None else [single],
-                                   with_sensors=True, with_drives=True)
-        for line in built.report.lines():
+        self._simulator = assemble.simulator(physics, [] if single is None else [single],
+                                             with_sensors=True, with_drives=True)
+        report = self._simulator.world.report
+        for line in report.lines():
             rospy.logwarn('%s', line)
-        self._simulator = built.simulator
-        built.report.listen(lambda line: rospy.logwarn('%s', line))
+        report.listen(lambda line: rospy.logwarn('%s', line))
         self._pace = Pace(physics.real_time_factor)
         self._calls = ServiceCalls()
         self._gate = TimeGate(Mode.PAUSED if stepping.paused else Mode.RUNNING, self._calls.wake,

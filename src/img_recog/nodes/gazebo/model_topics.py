@@ -64,9 +64,7 @@ class ModelTopics:
         names, settings = self.spec.names, mounted.settings.sensors
         self._publishers: Dict[str, DirectPublisher] = {}
         self._outputs: Dict[str, _Output] = {}
-        for each in self.spec.sensors:
-            if each.kind.is_drawn or each.name in mounted.missing:
-                continue
+        for each in mounted.published:
             topic = names.topic(each.kind.topic(settings[each.name]))
             is_answered = lockstep is not None and each.kind.name in lockstep.kinds
             if is_answered:

@@ -6,7 +6,7 @@ from typing import Any, Collection, Dict, List, Mapping, Sequence, Tuple
 import rosgraph
 import rospy
 
-from img_recog.conversions.sensor_table import SENSORS
+from img_recog.conversions.sensor_table import CAMERA, SENSORS
 from img_recog.errors import SimulationError, shortened
 from img_recog.formats import drive_controllers, model_file
 from img_recog.formats.drive_controllers import Controllers
@@ -23,7 +23,6 @@ from img_recog.simulation.simulation_settings import (CameraSettings, DriveSetti
 ROBOTS = '~robots'
 _MAX_NAME = 100         # characters
 _NO_NAMESPACE = ''
-_CAMERA, = (kind for kind in SENSORS if kind.is_drawn)
 
 
 @dataclass(frozen=True)
@@ -141,7 +140,7 @@ class RobotReader:
                                          .format(field, shortened(repr(getattr(each, field)))))
         camera = parameters.read(CameraSettings, {}, *spaces)
         if camera.camera_frame:
-            spec = spec.with_sensor(_CAMERA, camera)
+            spec = spec.with_sensor(CAMERA, camera)
         spec = spec._replace(names=names)
         return spec.renamed(name) if name else spec
 

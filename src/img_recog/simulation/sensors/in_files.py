@@ -1,6 +1,6 @@
 """The sensors in the tags of a model, with their settings."""
 import xml.etree.ElementTree as ElementTree
-from typing import Dict, Iterator, List, NamedTuple, Optional, Sequence, Tuple
+from typing import Dict, Iterator, List, NamedTuple, Optional, Sequence, Tuple, cast
 
 from img_recog.formats import camera_values
 from img_recog.formats.gazebo_tags import Tags, Values, is_of, label, values_in
@@ -12,13 +12,17 @@ from img_recog.simulation.sensors.sensor import ConfiguredSensor, SensorKind
 
 
 class _Part(NamedTuple):
-    """A plugin or a sensor with its plugin; readers: the numbers of those that read it."""
+    """A plugin or a sensor with its plugin.
+
+    readers: the numbers of those that read it. is_camera: camera_values.py reads it.
+    """
 
     readers: Sequence[int]
     label: str
     link: str
     sensor: Optional[ElementTree.Element]
     plugin: Optional[ElementTree.Element]
+    is_camera: bool = False
 
 
 def read(tags: Sequence[Tag], step_s: float, kinds: Sequence[SensorKind],
@@ -38,7 +42,8 @@ def read(tags: Sequence[Tag], step_s: float, kinds: Sequence[SensorKind],
     readers += [(kind.read_tags, kind) for kind in kinds]
     sensors: List[ConfiguredSensor] = []
     of_readers: Dict[int, Values] = {}          # of those that have read a part
-    for part in _parts(tags, [reader for reader, _ in readers], with_bare):
+    parts = list(_parts(tags, [reader for reader, _ in readers], with_bare))
+    for part in parts:
         for number in part.readers:
             reader, kind = readers[number]
             if number in of_readers and not reader.frame:
@@ -48,23 +53,24 @@ def read(tags: Sequence[Tag], step_s: float, kinds: Sequence[SensorKind],
                                                        step_s)
             of_readers.setdefault(number, values)
             if kind is not None and reader.frame and not kind.missing:
-                sensors.append(_sensor(kind, values, part))
+                sensors.append(_sensor(kind, values, part, _place_of(part)))
             if part.plugin is not None:
                 for what in reader.not_simulated(
                         part.plugin if part.sensor is None else part.sensor):
                     report.add(NOT_SIMULATED, what)
-        if not part.readers:
+        if not part.readers and not part.is_camera:
             report.add(NOT_SIMULATED, part.label)
     for kind in kinds:
         if kind.is_drawn:
-            _add_cameras(tags, kind, with_bare, sensors, report)
+            sensors += _cameras(kind, [part for part in parts if part.is_camera], report)
     values = {name: value for number in sorted(of_readers)
               for name, value in of_readers[number].items()}
     return values, list(_numbered(kinds, sensors))
 
 
-def _sensor(kind: SensorKind, values: Values, part: _Part) -> ConfiguredSensor:
-    found = ConfiguredSensor(kind, 0, values, _place_of(part))
+def _sensor(kind: SensorKind, values: Values, part: _Part,
+            place: Optional[AttachedFrame]) -> ConfiguredSensor:
+    found = ConfiguredSensor(kind, 0, values, place)
     return found if part.sensor is None else found._replace(
         label=name_of(part.sensor), type=part.sensor.get('type', ''), is_bare=part.plugin is None)
 
@@ -94,6 +100,7 @@ def _sensor_parts(sensor: ElementTree.Element, link: str, readers: Sequence[Tags
     plugins = sensor.findall('plugin')
     camera = camera_values.plugin_of(sensor)
     if camera is not None or with_bare and sensor.get('type') in camera_values.TYPES:
+        yield _Part((), name_of(sensor), link, sensor, camera, is_camera=True)
         for plugin in plugins:
             if plugin is not camera:
                 yield _Part((), label(plugin, 'filename'), link, sensor, plugin)
@@ -123,32 +130,27 @@ def _place_of(part: _Part) -> Optional[AttachedFrame]:
     return AttachedFrame(part.link, transform(numbers[:3], numbers[3:])) if part.link else None
 
 
-def _add_cameras(tags: Sequence[Tag], kind: SensorKind, with_bare: bool,
-                 sensors: List[ConfiguredSensor], report: Report) -> None:
-    """Add the cameras; of two with a topic of the same name, the first one counts."""
+def _cameras(kind: SensorKind, parts: Sequence[_Part],
+             report: Report) -> Iterator[ConfiguredSensor]:
+    """Yield the cameras; of two with a topic of the same name, the first one counts."""
     owners: Dict[str, str] = {}         # of topics
-    for link, sensor in ((tag.link, sensor) for tag in tags
-                         for sensor in tag.element.findall('sensor')):
-        plugin, name = camera_values.plugin_of(sensor), name_of(sensor)
-        is_bare = plugin is None
-        if is_bare and not (with_bare and sensor.get('type') in camera_values.TYPES):
-            continue
-        if not link:
+    for part in parts:
+        sensor, name = cast(ElementTree.Element, part.sensor), part.label
+        if not part.link:
             report.add(NOT_SIMULATED, 'sensor {}, because its <gazebo> tag has no reference'
                        .format(name))
             continue
-        plugin = ElementTree.Element('plugin') if plugin is None else plugin
+        plugin = ElementTree.Element('plugin') if part.plugin is None else part.plugin
         for each in camera_values.not_simulated(sensor, plugin):
             report.add(NOT_SIMULATED, each, 'sensor ' + name)
         for values in camera_values.of_sensor(sensor, plugin):
-            topics = [] if is_bare else [value for setting, value in values.items()
-                                         if setting.endswith('_topic')]
+            topics = [] if part.plugin is None else [
+                value for setting, value in values.items() if setting.endswith('_topic')]
             taken = next((topic for topic in topics if topic in owners), None)
             if taken is not None:
                 report.add(NOT_SIMULATED, 'sensor {}, because its topic {} is one of sensor {}'
                            .format(name, taken, owners[taken]))
                 continue
             owners.update(dict.fromkeys(topics, name))
-            sensors.append(ConfiguredSensor(kind, 0, {'camera_frame': link, **values},
-                                            AttachedFrame(link, IDENTITY), name,
-                                            sensor.get('type', ''), is_bare))
+            yield _sensor(kind, {'camera_frame': part.link, **values}, part,
+                          AttachedFrame(part.link, IDENTITY))

@@ -28,10 +28,8 @@ def _rest(element: ElementTree.Element, name: str) -> Optional[Tuple[Noise]]:
 
 # of libgazebo_ros_laser and _gpu_laser of gazebo_plugins, and of Gazebo's own ray sensors
 TAGS = Tags(('gazebo_ros_laser', 'gazebo_ros_gpu_laser'), (
-    *ray_sensor.fan_rows('scan'),
+    *ray_sensor.fan_rows('scan', 'scan_range'),
     Row('scan_resolution', NUMBER, 'sensor', 'ray/scan/horizontal/resolution'),
-    Row('scan_range_min', NUMBER, 'sensor', 'ray/range/min'),
-    Row('scan_range_max', NUMBER, 'sensor', 'ray/range/max'),
     Row('scan_noise', Reader('', lambda *given: noises.read(*given).deviation, of_element=True),
         'sensor', 'ray/noise'),
     Row('scan_noises', Reader('', _rest, of_element=True), 'sensor', 'ray/noise'),

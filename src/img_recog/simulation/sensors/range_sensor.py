@@ -14,9 +14,7 @@ INFRARED, ULTRASOUND = 'infrared', 'ultrasound'
 
 # of libgazebo_ros_range of gazebo_plugins and libhector_gazebo_ros_sonar, with their defaults
 TAGS = Tags(('gazebo_ros_range', 'hector_gazebo_ros_sonar'), (
-    *ray_sensor.fan_rows('range'),
-    Row('range_min', NUMBER, 'sensor', 'ray/range/min'),
-    Row('range_max', NUMBER, 'sensor', 'ray/range/max'),
+    *ray_sensor.fan_rows('range', 'range'),
     Row('range_period_s', RATE, 'plugin', 'updateRate'),
     Row('range_noise', NUMBER, 'plugin', 'gaussianNoise'),
     Row('range_field_of_view', NUMBER, 'plugin', 'fov'),

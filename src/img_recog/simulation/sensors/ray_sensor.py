@@ -19,19 +19,21 @@ _MAX_RAYS = 200000
 _PAST_M = 1e-3              # a ray goes on so far behind the surface of such a shape
 
 
-def fan_rows(prefix: str) -> Tuple[Row, ...]:
-    """Return where the rate and the directions of rays are, for settings with names like
-    scan_samples; prefix: 'scan'.
+def fan_rows(prefix: str, limits: str) -> Tuple[Row, ...]:
+    """Return where the rate, the directions and the limits of rays are; arguments as for
+    FanSensor.
     """
     scan = 'ray/scan/'
-    return tuple(Row(prefix + setting, reader, 'sensor', path) for setting, reader, path in (
-        ('_period_s', RATE, 'update_rate'),
-        ('_samples', INTEGER, scan + 'horizontal/samples'),
-        ('_angle_min', NUMBER, scan + 'horizontal/min_angle'),
-        ('_angle_max', NUMBER, scan + 'horizontal/max_angle'),
-        ('_rows', INTEGER, scan + 'vertical/samples'),
-        ('_pitch_min', NUMBER, scan + 'vertical/min_angle'),
-        ('_pitch_max', NUMBER, scan + 'vertical/max_angle')))
+    return tuple(Row(setting, reader, 'sensor', path) for setting, reader, path in (
+        (prefix + '_period_s', RATE, 'update_rate'),
+        (prefix + '_samples', INTEGER, scan + 'horizontal/samples'),
+        (prefix + '_angle_min', NUMBER, scan + 'horizontal/min_angle'),
+        (prefix + '_angle_max', NUMBER, scan + 'horizontal/max_angle'),
+        (prefix + '_rows', INTEGER, scan + 'vertical/samples'),
+        (prefix + '_pitch_min', NUMBER, scan + 'vertical/min_angle'),
+        (prefix + '_pitch_max', NUMBER, scan + 'vertical/max_angle'),
+        (limits + '_min', NUMBER, 'ray/range/min'),
+        (limits + '_max', NUMBER, 'ray/range/max')))
 
 
 def sees_nothing(sensor: ElementTree.Element) -> Sequence[str]:

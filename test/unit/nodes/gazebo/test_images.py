@@ -60,7 +60,7 @@ class Rig:
 
     def __init__(self, publishers, redelivery=None, **settings):
         self.gate = TimeGate(Mode.RUNNING, lambda: None, redelivery and 5.0)
-        self.simulator, self.statics = robots.simulator(
+        self.simulator, self.statics = robots.assemble(
             x=1.0, cameras=[CAMERA, BACK]), FakeStatics()
         self.robot, self.publishers = self.simulator.robots[0], publishers
         with mock.patch.object(images, 'ImageProcess', self._make_process):

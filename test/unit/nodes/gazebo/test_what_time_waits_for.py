@@ -95,7 +95,7 @@ class Rig:
     def __init__(self, monkeypatch, publishers, clock, kinds):
         self.clock, self.publishers = clock, publishers
         FakeConnections.found = ('a publisher of /cmd_vel',)
-        self.simulator = robots.simulator(cameras=[CAMERA])
+        self.simulator = robots.assemble(cameras=[CAMERA])
         self.answered = []
         pace, calls = Pace(0.0), ServiceCalls()
         self.gate = TimeGate(Mode.RUNNING, calls.wake, TIMEOUT_S if kinds else None)

@@ -13,7 +13,7 @@ TURNED = (0.0, 0.0, math.sin(0.4), math.cos(0.4))
 
 @pytest.fixture
 def robot():
-    return robots.simulator().robots[0].body
+    return robots.assemble().robots[0].body
 
 
 def test_a_body_is_placed_with_its_joints_at_rest(robot):
@@ -55,7 +55,7 @@ def test_frames_are_in_their_places_if_the_mass_of_the_root_is_not_in_its_origin
                 'ixy="0" ixz="0" iyy="0.01" iyz="0" izz="0.01"/></inertial>')
     text = robots.burger().replace(root.replace('>', '/>'), root + inertial + '</link>')
     assert inertial in text
-    robot = robots.simulator(urdf=text).robots[0].body
+    robot = robots.assemble(urdf=text).robots[0].body
     for frame, position in (('base_footprint', (1.0, 2.0, 0.5)), ('base_link', (1.0, 2.0, 0.51)),
                             ('wheel_left_link', (1.0, 2.08, 0.533))):
         robot.place(BodyPose((1.0, 2.0, 0.5), (0.0, 0.0, 0.0, 1.0), [0.0, 0.0]))

@@ -7,7 +7,7 @@ from img_recog.formats import model_file
 from img_recog.report import Report
 from img_recog.simulation.models import Models, State
 from img_recog_helpers import sdf
-from img_recog_helpers.robots import simulator
+from img_recog_helpers.robots import assemble
 
 HERE = State((0.0, 0.0, 0.0), (0.0, 0.0, 0.0, 1.0), (0.0, 0.0, 0.0), (0.0, 0.0, 0.0))
 
@@ -65,13 +65,13 @@ def test_bodies_that_stand_beside_one_another_are_not_many_points():
 
 @pytest.mark.parametrize('links_of', [lambda count: '<static>1</static>', fixed_joints])
 def test_links_that_are_joined_or_static_never_touch(links_of):
-    sim = simulator()
+    sim = assemble()
     Models(sim).add('m', trees(120, links_of), HERE)
     assert [line for line in sim.world.report.lines() if 'the next step' in line] == []
 
 
 def test_models_that_would_stop_time_are_not_added():
-    sim = simulator()
+    sim = assemble()
     models = Models(sim)
     client = sim.world.physics_client_id
     lines = []
@@ -92,7 +92,7 @@ def test_models_that_would_stop_time_are_not_added():
 
 
 def test_robots_and_the_floor_may_touch_what_is_added():
-    sim = simulator()
+    sim = assemble()
     models = Models(sim)
     models.add('m', trees(1, colliding), HERE)
     sim.advance(10)

@@ -20,7 +20,7 @@ def recorded():
 
 
 def test_motions_and_readings():
-    simulator = robots.simulator('turtlebot3_world', -2.0, -0.5, 0.3)
+    simulator = robots.assemble('turtlebot3_world', -2.0, -0.5, 0.3)
     robot, = simulator.robots
     parts = list(recorded())
     assert len(parts) == 3
@@ -41,7 +41,7 @@ def test_motions_and_readings():
 
 
 def test_links_are_undamped_and_have_the_friction_of_the_description():
-    simulator = robots.simulator('turtlebot3_world', -2.0, -0.5)
+    simulator = robots.assemble('turtlebot3_world', -2.0, -0.5)
     robot, client = simulator.robots[0].body, simulator.world.physics_client_id
     assert robot.mass() == pytest.approx(1.0017329, abs=1e-6)
     frictions = {}

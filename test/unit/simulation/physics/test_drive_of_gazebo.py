@@ -26,7 +26,7 @@ FIRST = ''.join('<gazebo reference="wheel_{}_link"><fdir1>1 0 0</fdir1></gazebo>
     (FIRST, [(-10, 0, 2), (0, 0, 4)], [1.2496, 2.2980]),
     ('', [(-10, 0, 2), (0, 0, 4)], [1.9072, 2.0725])])
 def test_ways(tags, parts, figures):
-    simulator = assembled(burger('').replace('</robot>', DRIVE + tags + '</robot>')).simulator
+    simulator = assembled(burger('').replace('</robot>', DRIVE + tags + '</robot>'))
     robot = simulator.robots[0]
     simulator.advance(1000)
     for (forward, turn, seconds), figure in zip(parts, figures):
@@ -47,7 +47,7 @@ def test_how_it_stands():
     """Its wheels are as deep in the floor as their tags allow, its caster is on it."""
     sinking = ''.join('<gazebo reference="wheel_{}_link"><kp>500000.0</kp><kd>10.0</kd><minDepth>'
                       '0.001</minDepth></gazebo>'.format(side) for side in ('left', 'right'))
-    robot = assembled(burger().replace('</robot>', sinking + '</robot>')).simulator
+    robot = assembled(burger().replace('</robot>', sinking + '</robot>'))
     robot.advance(1000)
     pose = robot.robots[0].body.pose()
     assert pose.position[2] == pytest.approx(-0.001, abs=1e-4)
@@ -64,7 +64,7 @@ def test_locked_wheels_slide_by_the_angle_of_their_direction_of_friction(angle, 
         '<gazebo reference="wheel_{}_link"><fdir1>{}</fdir1><kp>500000.0</kp><kd>10.0</kd>'
         '<minDepth>0.001</minDepth><maxVel>0.1</maxVel></gazebo>'.format(side, direction)
         for side in ('left', 'right'))
-    simulator = assembled(burger('').replace('</robot>', DRIVE + tags + '</robot>')).simulator
+    simulator = assembled(burger('').replace('</robot>', DRIVE + tags + '</robot>'))
     robot = simulator.robots[0].body
     begin = robot.motion().position
     robot.set_velocity((0.22, 0.0, 0.0), (0.0, 0.0, 0.0))

@@ -39,7 +39,7 @@ def odometry(simulator, steps=2000):
     (robot(PLANAR, rows=FOUR), {})])
 @pytest.mark.parametrize('forward, turn', COMMANDS)
 def test_what_does_not_slip_drives_as_asked(urdf, given, forward, turn):
-    simulator = assembled(urdf, given).simulator
+    simulator = assembled(urdf, given)
     got = velocity(simulator, forward, turn)
     assert got[0] == pytest.approx(forward, rel=0.02, abs=0.004)
     assert got[1] == pytest.approx(0.0, abs=0.004)
@@ -50,7 +50,7 @@ def test_what_does_not_slip_drives_as_asked(urdf, given, forward, turn):
 
 
 def test_a_planar_base_moves_sideways_and_on_an_arc():
-    simulator = assembled(robot(PLANAR)).simulator
+    simulator = assembled(robot(PLANAR))
     assert velocity(simulator, 0.0, 0.0, 0.3) == pytest.approx((0.0, 0.3, 0.0), abs=0.004)
     assert velocity(simulator, 0.2, 0.5, -0.3) == pytest.approx((0.2, -0.3, 0.5), rel=0.02)
     # its odometry is the truth
@@ -62,7 +62,7 @@ def test_a_planar_base_moves_sideways_and_on_an_arc():
 
 
 def test_the_wheels_of_a_planar_base_stop():
-    simulator = assembled(robot(PLANAR)).simulator
+    simulator = assembled(robot(PLANAR))
     body = simulator.robots[0].body
     for joint in body.joints.values():
         pybullet.resetJointState(body.body_id, joint, 0.0, 3.0,
@@ -72,7 +72,7 @@ def test_the_wheels_of_a_planar_base_stop():
 
 
 def test_a_wall_stops_a_planar_base_and_it_falls_off_an_edge():
-    simulator = assembled(robot(PLANAR)).simulator
+    simulator = assembled(robot(PLANAR))
     driven = simulator.robots[0]
     simulator.world.step(100)
     driven.body.place(driven.body.pose()._replace(position=(0, 0, 1.0)))
@@ -87,7 +87,7 @@ def test_a_wall_stops_a_planar_base_and_it_falls_off_an_edge():
     (robot(SKID, rows=FOUR), {}, FOUR),
     (robot(CONTROL, rows=(0.2, 0.0, -0.2)), controllers(3), (0.2, 0.0, -0.2))])
 def test_a_skid_steered_robot_drives_straight_as_asked_and_slips_when_it_turns(urdf, given, rows):
-    simulator = assembled(urdf, given).simulator
+    simulator = assembled(urdf, given)
     assert velocity(simulator, 0.4)[0] == pytest.approx(0.4, rel=0.02)
     assert velocity(simulator, -0.3)[0] == pytest.approx(-0.3, rel=0.02)
     for turn in (1.0, -1.0):
@@ -96,11 +96,11 @@ def test_a_skid_steered_robot_drives_straight_as_asked_and_slips_when_it_turns(u
 
 def test_the_odometry_of_a_skid_steered_robot_is_that_of_its_plugin():
     # libgazebo_ros_skid_steer_drive publishes the truth, diff_drive_controller what wheels turn
-    simulator = assembled(robot(SKID, rows=FOUR)).simulator
+    simulator = assembled(robot(SKID, rows=FOUR))
     velocity(simulator, 0.0, 1.0)
     true = simulator.robots[0].body.motion().angular[2]
     assert odometry(simulator, 100)[-1].angular[2] == pytest.approx(true, rel=0.08)
-    simulator = assembled(robot(CONTROL, rows=FOUR), controllers(2)).simulator
+    simulator = assembled(robot(CONTROL, rows=FOUR), controllers(2))
     velocity(simulator, 0.0, 1.0)
     assert odometry(simulator, 100)[-1].angular[2] == pytest.approx(1.0, rel=0.02)
     assert simulator.robots[0].body.motion().angular[2] < 0.9
@@ -110,7 +110,7 @@ def test_limits_are_those_of_the_controller():
     given = controllers(linear={'x': {
         'has_velocity_limits': True, 'max_velocity': 0.4, 'min_velocity': -0.1,
         'has_acceleration_limits': True, 'max_acceleration': 0.2, 'min_acceleration': -0.8}})
-    simulator = assembled(robot(CONTROL), given).simulator
+    simulator = assembled(robot(CONTROL), given)
     driven, speeds = simulator.robots[0], []
     for command, steps in ((9.0, 1000), (9.0, 2000), (-9.0, 400), (-9.0, 1000)):
         for _ in range(steps // 100):
@@ -127,11 +127,11 @@ def test_wheels_that_are_meshes_drive_as_asked(radius, tmp_path):
         file.write(wheel_mesh(radius))
     urdf = robot(DIFFERENTIAL, radius=radius, shape='<mesh filename="wheel"/>')
     built = assembled(urdf, find_mesh=lambda uri: path)
-    assert not [line for line in built.report.lines() if 'wheel_' in line]
-    assert built.simulator.robots[0].settings.drive.wheel_diameter == pytest.approx(2 * radius)
-    assert velocity(built.simulator, 0.2)[0] == pytest.approx(0.2, rel=0.02)
-    assert velocity(built.simulator, 0.0, 0.5)[2] == pytest.approx(TURN_SHARE * 0.5, rel=0.02)
-    assert built.simulator.robots[0].body.motion().position[2] == pytest.approx(0, abs=0.002)
+    assert not [line for line in built.world.report.lines() if 'wheel_' in line]
+    assert built.robots[0].settings.drive.wheel_diameter == pytest.approx(2 * radius)
+    assert velocity(built, 0.2)[0] == pytest.approx(0.2, rel=0.02)
+    assert velocity(built, 0.0, 0.5)[2] == pytest.approx(TURN_SHARE * 0.5, rel=0.02)
+    assert built.robots[0].body.motion().position[2] == pytest.approx(0, abs=0.002)
 
 
 @pytest.mark.parametrize('suffix', ['.obj', '.stl'])
@@ -147,7 +147,7 @@ def test_casters_that_are_meshes_leave_the_wheels_on_the_floor(suffix, tmp_path)
             'scale="0.001 0.001 0.001"/></geometry>')
     urdf = robot(DIFFERENTIAL).replace('<geometry><sphere radius="0.02"/></geometry>', mesh)
     assert urdf.count('scale') == 2
-    simulator = assembled(urdf, find_mesh=lambda uri: path).simulator
+    simulator = assembled(urdf, find_mesh=lambda uri: path)
     assert velocity(simulator, 0.2)[0] == pytest.approx(0.2, rel=0.02)
     assert velocity(simulator, 0.0, 0.5)[2] == pytest.approx(TURN_SHARE * 0.5, rel=0.02)
     assert simulator.robots[0].body.motion().position[2] == pytest.approx(0, abs=2e-4)
@@ -165,7 +165,7 @@ def given(**parameters):
     spec = from_urdf(robot(), 0.001, lambda uri: None, 'robot', SENSORS,
                      read=lambda kind, values: from_mapping(kind, {**values, **parameters}))
     return assembly.build(PhysicsSettings(world='empty'), world_file.read('empty', {}),
-                          [spec]).simulator
+                          [spec])
 
 
 @pytest.mark.parametrize('parameters, speed', [
@@ -185,13 +185,13 @@ def test_without_a_plugin_a_robot_drives_by_parameters_or_stands(parameters, spe
 @pytest.mark.parametrize('command', [(float('nan'), 0.0, 0.0), (0.0, float('inf'), 0.0),
                                      (0.0, 0.0, float('-inf'))])
 def test_a_command_that_is_not_finite_is_refused(command):
-    driven, = assembled(robot(DIFFERENTIAL, FOUR)).simulator.robots
+    driven, = assembled(robot(DIFFERENTIAL, FOUR)).robots
     assert refusal(driven.command, *command).startswith('command: got [')
 
 
 @pytest.mark.parametrize('tags', [DIFFERENTIAL, PLANAR])
 def test_an_endless_command_brings_no_nan(tags):
-    simulator = assembled(robot(tags, FOUR)).simulator
+    simulator = assembled(robot(tags, FOUR))
     for _ in range(30):
         simulator.robots[0].command(1e308, -1e308, 1e308)
         simulator.advance(10)

@@ -113,7 +113,7 @@ def without_mu(urdf):
 
 
 def turn_rate(urdf, heading):
-    simulator = assembled(urdf).simulator
+    simulator = assembled(urdf)
     body = simulator.robots[0].body
     body.place(body.pose()._replace(orientation=rotations.of_yaw(heading)))
     return velocity(simulator, 0.0, 1.5, settle_s=0.5, seconds=1.0)[2]
@@ -132,7 +132,7 @@ def test_casters_of_default_friction_do_not_hold_a_robot(casters):
     urdf = without_mu(robot(DRIVE, casters=casters)).replace(
         '<sphere radius="0.02"/>', '<sphere radius="0.05"/>').replace(' 0 0.02"', ' 0 0.05"')
     # Gazebo: 0.4924
-    assert velocity(assembled(urdf).simulator, 0.5)[0] == pytest.approx(0.4924, rel=0.02)
+    assert velocity(assembled(urdf), 0.5)[0] == pytest.approx(0.4924, rel=0.02)
 
 
 # Gazebo: means over the headings 0, 0.4 and 0.785
@@ -160,7 +160,7 @@ def test_two_treads_in_one_place_share_the_load():
     urdf = robot(SKID, rows=(0.1, -0.1))
     for wheel in ('left_0', 'right_0', 'left_1', 'right_1'):
         urdf = with_tags(urdf, wheel, '<mu1>1</mu1><mu2>1</mu2><fdir1>0 0 1</fdir1>')
-    simulator = assembled(urdf).simulator
+    simulator = assembled(urdf)
     simulator.robots[0].command(0.0, 0.5)
     simulator.advance(500)
     robot_id, client = simulator.robots[0].body.body_id, simulator.world.physics_client_id
@@ -177,7 +177,7 @@ def test_second_contacts_of_wheels_do_not_meet_the_chassis():
     urdf = robot(DRIVE + '<gazebo><self_collide>1</self_collide></gazebo>', separation=0.2)
     for wheel in ('left_0', 'right_0'):
         urdf = with_tags(urdf, wheel, '<mu1>0.1</mu1><mu2>0.1</mu2><fdir1>0 0 1</fdir1>')
-    simulator = assembled(urdf).simulator
+    simulator = assembled(urdf)
     simulator.robots[0].command(2.0, 0.0)
     simulator.advance(300)
     contacts = pybullet.getContactPoints(physicsClientId=simulator.world.physics_client_id)

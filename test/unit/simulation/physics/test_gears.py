@@ -1,7 +1,7 @@
 """Gearboxes and screws of an SDF, as Gazebo 11 moves them; and what becomes of them later."""
 import pytest
 
-from img_recog.simulation.figures import Figures
+from img_recog.simulation.models import Figures
 from img_recog.simulation.simulator import Simulator
 from img_recog_helpers import sdf
 

@@ -51,8 +51,8 @@ def build(base=BASE, wheel=WHEEL, caster='', roll='1.5707963', more='</robot>', 
     built = assembly.build(PhysicsSettings(world='empty'), world_file.read('empty', {}),
                            [] if is_model else [robot])
     if is_model:
-        built.simulator.world.load([Tree('cart', robot.model)])
-    return built.simulator, lines_of(robot.findings)
+        built.world.load([Tree('cart', robot.model)])
+    return built, lines_of(robot.findings)
 
 
 ROBOTS = {

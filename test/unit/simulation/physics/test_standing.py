@@ -9,7 +9,7 @@ from img_recog.simulation.models import Models, State
 from img_recog.simulation.physics import standing
 from img_recog.simulation.physics.body import Body, BodyPose
 from img_recog_helpers import sdf
-from img_recog_helpers.robots import assemble, burger, read, settings_of, simulator
+from img_recog_helpers.robots import assemble, burger, read, settings_of
 
 UPRIGHT, REST = (0.0, 0.0, 0.0, 1.0), (0.0, 0.0, 0.0)
 NAME = 'turtlebot3_burger'
@@ -46,11 +46,10 @@ def stands(sim, height):
 
 
 def test_a_robot_with_its_root_at_the_axle_is_lifted_out_of_the_floor_and_drives():
-    built = assemble(urdf=AT_ITS_AXLE)
-    assert built.report.lines() == [
+    sim = assemble(urdf=AT_ITS_AXLE)
+    assert sim.world.report.lines() == [
         'turtlebot3_burger: at z_pos 0 m it would be in ground_plane; it was lifted onto it by '
         '0.033 m']
-    sim = built.simulator
     assert stands(sim, 0.033)
     sim.robots[0].command(0.2, 0.0)
     sim.advance(1000)
@@ -63,29 +62,29 @@ def test_a_robot_with_its_root_at_the_axle_is_lifted_out_of_the_floor_and_drives
 @pytest.mark.parametrize('height', [0.01, 0.025, 0.04, 0.1])
 def test_a_robot_in_a_floor_above_zero_is_lifted_onto_it(world, kind, height):
     built = assemble(world(kind, height))
-    assert built.report.lines() == [
+    assert built.world.report.lines() == [
         'turtlebot3_burger: at z_pos 0 m it would be in hall; it was lifted onto it by {:.3f} m'
         .format(height)]
-    assert stands(built.simulator, height)
-    assert built.simulator.touched(built.simulator.robots[0].body) == []
+    assert stands(built, height)
+    assert built.touched(built.robots[0].body) == []
 
 
 @pytest.mark.parametrize('z, height', [(0.4, 0.4), (0.0, 0.0), (-0.5, 0.0), (0.003, 0.003)])
 def test_only_what_is_in_something_is_lifted(z, height):
     built = assemble(z=z)
-    assert built.simulator.robots[0].body.motion().position[2] == pytest.approx(
+    assert built.robots[0].body.motion().position[2] == pytest.approx(
         height, abs=1e-4)
-    assert len(built.report.lines()) == (z < 0)
+    assert len(built.world.report.lines()) == (z < 0)
 
 
 def test_what_is_in_a_wall_is_lifted_out_of_the_floor_alone(world):
-    lifted, overlap = assemble(world('box', 0.5), z=-0.1).report.lines()
+    lifted, overlap = assemble(world('box', 0.5), z=-0.1).world.report.lines()
     assert lifted.endswith('in ground_plane; it was lifted onto it by 0.100 m')
     assert overlap.startswith('turtlebot3_burger in hall: ')
 
 
 def test_it_is_lifted_again_wherever_it_is_put(world):
-    sim = simulator(world('mesh', 0.04))
+    sim = assemble(world('mesh', 0.04))
     robot, models = sim.robots[0], Models(sim)
     for put, height in ((sim.reset_world, 0.04),
                         (lambda: robot.move_to(5.0, 0.0, 1.0), 0.0),      # beside that floor
@@ -97,7 +96,7 @@ def test_it_is_lifted_again_wherever_it_is_put(world):
 
 
 def test_its_velocity_is_kept_when_it_is_lifted(world):
-    sim = simulator(world('mesh', 0.04))
+    sim = assemble(world('mesh', 0.04))
     models = Models(sim)
     models.set_state(NAME, State(REST, UPRIGHT, (0.3, 0.0, 0.0), (0.0, 0.0, 1.0)))
     assert models.state(NAME).position[2] == pytest.approx(0.04, abs=1e-3)
@@ -107,7 +106,7 @@ def test_its_velocity_is_kept_when_it_is_lifted(world):
 
 @pytest.mark.parametrize('has_place', [True, False])
 def test_robots_are_added_on_a_floor_above_zero(world, has_place):
-    sim = assemble(world('mesh', 0.02), 1.0, 1.0).simulator
+    sim = assemble(world('mesh', 0.02), 1.0, 1.0)
     place = (0.0, 0.0) if has_place else (1.0, 1.0)
     report = Report()
     assembly.add_robot_apart(sim, read(burger()).renamed('second')._replace(

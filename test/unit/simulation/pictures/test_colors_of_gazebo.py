@@ -56,7 +56,7 @@ def seen(inside, pose, points):
     """Return the colors of points (n, 3) of a world in the image of a camera."""
     world = world_file.read('a.world', {}, read_file=lambda path: sdf(inside))
     built = assembly.build(PhysicsSettings(), world, [])
-    parts = Parts(built.simulator)
+    parts = Parts(built)
     image = loaded(parts.scene(), parts.poses()).draw(
         CAMERA, pose, parts.poses())
     fx, fy, cx, cy = CAMERA.intrinsics

@@ -37,7 +37,7 @@ def area(outline):
 
 
 def test_shapes_have_their_places_turns_and_sizes():
-    world = robots.simulator(SHAPES).world
+    world = robots.assemble(SHAPES).world
     shapes = {round(area(outline), 2): outline for outline in footprints(world)}
     disc = 12 * math.sin(math.pi / 12)          # of a polygon with 24 corners and radius 1
     assert sorted(shapes) == sorted(
@@ -57,7 +57,7 @@ def test_shapes_have_their_places_turns_and_sizes():
 
 
 def test_the_demos_world_has_nine_posts_and_walls_around_the_robot():
-    found = footprints(robots.simulator('turtlebot3_world').world)
+    found = footprints(robots.assemble('turtlebot3_world').world)
     middles = [tuple(outline.mean(axis=0).round(3) + 0.0) for outline in found]
     for x in (-1.1, 0.0, 1.1):
         for y in (-1.1, 0.0, 1.1):
@@ -67,4 +67,4 @@ def test_the_demos_world_has_nine_posts_and_walls_around_the_robot():
 
 
 def test_the_empty_world_has_none():
-    assert footprints(robots.simulator('empty').world) == []
+    assert footprints(robots.assemble('empty').world) == []

@@ -83,7 +83,7 @@ def test_the_picture_reaches_to_the_floor_in_all_of_it(pose, far):
 def test_the_view_ends_under_the_lowest_roof_above_a_robot(boxes, height):
     shelves = (shelf(*box).replace('shelf', 'shelf{}'.format(number))
                for number, box in enumerate(boxes))
-    simulator = robots.simulator(sdf.sdf(*shelves))
+    simulator = robots.assemble(sdf.sdf(*shelves))
     assert view.ceiling(simulator.world, [simulator.robots[0].body]) == pytest.approx(
         height, abs=0.01)
 

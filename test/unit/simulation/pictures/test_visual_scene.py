@@ -22,7 +22,7 @@ HALL = sdf(BUILT_IN, shelf_with(BALL), CRATE.format('-1 0 0.1 0 0 0'))
 
 
 def read(built):
-    parts = Parts(built.simulator)
+    parts = Parts(built)
     return parts.scene(), parts
 
 
@@ -52,10 +52,10 @@ def test_poses_are_those_of_now():
     built = assemble(HALL)
     _, parts = read(built)
     before = parts.poses()
-    built.simulator.robots[0].command(0.2, 0.0)
-    built.simulator.advance(2000)
+    built.robots[0].command(0.2, 0.0)
+    built.advance(2000)
     after = parts.poses()
-    assert after[2, 0] == pytest.approx(built.simulator.robots[0].body.pose().position[0])
+    assert after[2, 0] == pytest.approx(built.robots[0].body.pose().position[0])
     assert after[2, 0] > before[2, 0] + 0.2
     wheel = parts.numbers()[2]['wheel_left_link']
     assert after[wheel, :3] - after[2, :3] == pytest.approx(before[wheel, :3] - before[2, :3],
@@ -65,7 +65,7 @@ def test_poses_are_those_of_now():
 
 
 def test_a_simulation_without_bodies_has_no_poses():
-    sim = assemble().simulator
+    sim = assemble()
     sim.world.remove(sim.robots[0])
     assert Parts(sim).poses().shape == (0, 7)
 
@@ -110,8 +110,8 @@ def test_a_plane_is_the_upper_side_of_its_box():
 
 def test_a_camera_on_the_robot_reads_its_pose_and_all_others():
     built = assemble(x=1.0, y=2.0, yaw=math.pi / 2)
-    parts = Parts(built.simulator)
-    camera = RobotCamera(built.simulator.robots[0].body, CameraSettings(
+    parts = Parts(built)
+    camera = RobotCamera(built.robots[0].body, CameraSettings(
         camera_frame='base_link', camera_x=0.1, camera_z=0.2, camera_pitch=math.pi / 2),
         parts.poses)
     exposure = camera.read()
@@ -126,7 +126,7 @@ def test_both_links_of_a_body_have_poses():
     door = ('<link name="a"><pose>3 0 1 0 0 0</pose></link><link name="b"><pose>3 0 2 0 0 0</pose>'
             '</link><joint name="j" type="revolute"><parent>a</parent><child>b</child><axis><xyz>'
             '0 0 1</xyz></axis></joint>')
-    poses = Parts(assemble(sdf(model('m', door))).simulator).poses()
+    poses = Parts(assemble(sdf(model('m', door)))).poses()
     assert poses[:2, :3] == pytest.approx(np.array([[3.0, 0, 1], [3, 0, 2]]))
 
 
@@ -146,7 +146,7 @@ def test_a_link_that_is_not_turned_like_an_image_is_warned_of(turn, is_warned):
         '<link name="lens"/><joint name="j" type="fixed"><parent link="base_scan"/><child '
         'link="lens"/><origin rpy="{}"/></joint>'.format(turn))
     robot = assemble(yaw=1.0, urdf=burger().replace(
-        '</robot>', link + '</robot>')).simulator.robots[0].body
+        '</robot>', link + '</robot>')).robots[0].body
     line = robot_camera.warning_about_frame(robot, CameraSettings(
         camera_frame='base_scan', camera_optical_frame='lens'))
     assert line.startswith('the images of the camera on base_scan have the frame lens, a link '
@@ -158,11 +158,11 @@ def test_a_link_that_is_not_turned_like_an_image_is_warned_of(turn, is_warned):
 def test_a_mounted_camera_is_read_at_its_rate_while_it_is_enabled():
     built = assemble(cameras=[CameraSettings(camera_frame='base_link', camera_rate=rate)
                               for rate in (30.0, 10.0)])
-    robot = built.simulator.robots[0]
+    robot = built.robots[0]
     name, second = robot.mounted.cameras
 
     def times(sensor, steps):
-        return [round(each.time_s, 6) for each in built.simulator.advance(steps)
+        return [round(each.time_s, 6) for each in built.advance(steps)
                 if each.sensor == sensor]
     assert (name, second) == ('camera', 'camera_2') and times(name, 100) == []
     robot.mounted.set_enabled(name, True)

@@ -37,6 +37,12 @@ class FakeHelper:
         return 0
 
 
+@pytest.fixture(autouse=True)
+def stdout(monkeypatch):
+    """Leave stdout open for the tests."""
+    monkeypatch.setattr(window.os, 'dup2', lambda *_: None)
+
+
 @pytest.fixture
 def helpers(monkeypatch, clock):
     """The helpers that are made; time stands still but for `clock`."""
@@ -66,10 +72,10 @@ class Requests:
 
 @pytest.mark.parametrize('floor', [False, True])
 def test_copy_has_the_bodies_at_their_poses_and_maybe_a_floor(floor):
-    assembly = robots.assemble('turtlebot3_world', -2.0, -0.5)
-    poses, client = poses_of(assembly.simulator), connect()
+    simulator = robots.assemble('turtlebot3_world', -2.0, -0.5)
+    poses, client = poses_of(simulator), connect()
     assert len(poses) == 2 and poses[1].position[:2] == pytest.approx((-2.0, -0.5))
-    copy = SceneCopy(scene_of(assembly.simulator), client, floor)
+    copy = SceneCopy(scene_of(simulator), client, floor)
     assert pybullet.getNumBodies(physicsClientId=client) == 2 + floor
     moved = [poses[0], poses[1]._replace(position=(1.0, 2.0, 0.0))]
     copy.place(moved)
@@ -93,7 +99,7 @@ def test_joints_of_a_copy_are_those_of_a_skid_steered_robot_with_a_joint_more():
         rows=(0.2, -0.2))
     # the arm before the wheels, too
     for urdf in (robot, robot.replace(arm, '').replace('<link', arm + '<link', 1)):
-        sim = wheeled.assembled(urdf).simulator
+        sim = wheeled.assembled(urdf)
         sim.robots[0].command(0.5, 1.0)
         sim.advance(500)
         body = sim.robots[0].body
@@ -112,10 +118,10 @@ def test_joints_of_a_copy_are_those_of_a_skid_steered_robot_with_a_joint_more():
 def test_copy_of_another_scene_replaces_all_but_the_floor():
     first, second = robots.assemble('turtlebot3_world', -2.0, -0.5), robots.assemble(x=3.0)
     client = connect()
-    copy = SceneCopy(scene_of(first.simulator), client, True)
-    copy.load(scene_of(second.simulator))
+    copy = SceneCopy(scene_of(first), client, True)
+    copy.load(scene_of(second))
     assert pybullet.getNumBodies(physicsClientId=client) == 2
-    copy.place(poses_of(second.simulator))
+    copy.place(poses_of(second))
     assert [body.pose().position[:2] for body in copy.bodies] == [
         pytest.approx((3.0, 0.0), abs=1e-6)]
 
@@ -130,7 +136,7 @@ def test_window_gets_another_scene_before_its_poses(helpers, clock):
 
 
 def test_window_never_places_poses_of_an_old_scene(monkeypatch):
-    first, second = (scene_of(built.simulator) for built in (
+    first, second = (scene_of(built) for built in (
         robots.assemble('turtlebot3_world'), robots.assemble()))
     client = connect()
     monkeypatch.setattr(window, 'connect', lambda *args: client)
@@ -145,7 +151,7 @@ def test_window_never_places_poses_of_an_old_scene(monkeypatch):
 
 def test_floor_that_is_seen_is_grey_and_large():
     client = connect()
-    SceneCopy(scene_of(robots.assemble().simulator), client, floor=True)
+    SceneCopy(scene_of(robots.assemble()), client, floor=True)
     shapes = pybullet.getVisualShapeData(1, physicsClientId=client)
     assert [shape[7] for shape in shapes] == [pytest.approx((0.72, 0.72, 0.72, 1.0))]
     low, high = shapes[0][5][2] - shapes[0][3][2] / 2, shapes[0][5][2] + shapes[0][3][2] / 2
@@ -158,8 +164,8 @@ def test_no_part_of_a_copy_reflects_the_sun(monkeypatch):
     changed = []
     monkeypatch.setattr(pybullet, 'changeVisualShape',
                         lambda *args, **kwargs: changed.append((args, kwargs)))
-    assembly, client = robots.assemble('turtlebot3_world', -2.0, -0.5), connect()
-    copy = SceneCopy(scene_of(assembly.simulator), client, False)
+    simulator, client = robots.assemble('turtlebot3_world', -2.0, -0.5), connect()
+    copy = SceneCopy(scene_of(simulator), client, False)
     assert changed == [((body.body_id, link), {'specularColor': (0, 0, 0),
                                                'physicsClientId': client})
                        for body in copy.bodies for link in body.links]
@@ -198,8 +204,8 @@ def test_a_window_draws_nothing_until_its_bodies_are_placed(monkeypatch):
 
 
 def test_window_shows_the_newest_poses_from_the_camera_above(monkeypatch):
-    assembly, client, seen = robots.assemble(), connect(), {}
-    poses = poses_of(assembly.simulator)
+    simulator, client, seen = robots.assemble(), connect(), {}
+    poses = poses_of(simulator)
     monkeypatch.setattr(window, 'connect', lambda *args: seen.update(connected=args) or client)
     monkeypatch.setattr(pybullet, 'configureDebugVisualizer', lambda *args, **kwargs:
                         seen.setdefault('configured', []).append((args, kwargs)))
@@ -207,7 +213,7 @@ def test_window_shows_the_newest_poses_from_the_camera_above(monkeypatch):
                         seen.update(camera=kwargs))
     placed = []
     monkeypatch.setattr(SceneCopy, 'place', lambda _, poses: placed.append(poses))
-    window.show_until_closed(Requests('old', poses, None), scene_of(assembly.simulator), ABOVE)
+    window.show_until_closed(Requests('old', poses, None), scene_of(simulator), ABOVE)
     assert placed == [poses, None]
     assert seen['connected'][0] == pybullet.GUI
     assert seen['connected'][1].split() == [
@@ -229,7 +235,7 @@ def test_window_shows_the_newest_poses_from_the_camera_above(monkeypatch):
 
 
 def test_window_ends_when_it_is_closed(monkeypatch):
-    scene, client = scene_of(robots.assemble(sdf.sdf()).simulator), connect()
+    scene, client = scene_of(robots.assemble(sdf.sdf())), connect()
     monkeypatch.setattr(window, 'connect', lambda *args: client)
     monkeypatch.setattr(pybullet, 'isConnected', lambda **kwargs: False)
     window.show_until_closed(None, scene, ABOVE)

@@ -41,7 +41,7 @@ def test_rays_without_some_of_their_tags(tmp_path, sensor, ranges):
     path.write_text(sdf.sdf(sdf.BUILT_IN, BOX, sdf.model('r', '<link name="l">', sensor, '</link>',
                                                          pose='0 0 0.3', static=True)))
     simulator = assemble.simulator(PhysicsSettings(world=str(path)), with_sensors=True,
-                                   with_bare=True).simulator
+                                   with_bare=True)
     mounted, = simulator.sensors
     assert mounted.measure()['scan'] == pytest.approx(ranges, abs=1e-5)
 

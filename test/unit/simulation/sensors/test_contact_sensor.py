@@ -31,7 +31,7 @@ def simulator():
         '</robot>', BAR.format('bar', 0.11) + BAR.format('back', -0.2) + TAG + '</robot>')
     robot = from_urdf(urdf, 0.001, lambda uri: None, 'robot', KINDS)
     return robots.build(WALL, [robot.changed(
-        spawn=robots.settings_of(x=0.7).spawn, drive=robots.burgers_drive())]).simulator
+        spawn=robots.settings_of(x=0.7).spawn, drive=robots.burgers_drive())])
 
 
 def touches(sim, steps):

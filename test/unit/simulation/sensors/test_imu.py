@@ -2,7 +2,7 @@
 import numpy as np
 import pytest
 
-from img_recog_helpers.robots import burgers, simulator
+from img_recog_helpers.robots import assemble, burgers
 
 QUIET = burgers('imu', gyro_noise=0.0, accel_noise=0.0)
 
@@ -12,7 +12,7 @@ def measure(sim, steps):
 
 
 def test_at_rest_it_feels_gravity_upwards():
-    sim = simulator(imu=QUIET)
+    sim = assemble(imu=QUIET)
     sim.advance(1000)
     values = measure(sim, 1000)
     assert len(values) == 200
@@ -24,7 +24,7 @@ def test_at_rest_it_feels_gravity_upwards():
 
 
 def test_noise_is_as_large_as_it_says():
-    sim = simulator()
+    sim = assemble()
     sim.advance(1000)
     values = measure(sim, 5000)
     assert np.std([v.angular_velocity for v in values]) == pytest.approx(2e-4, rel=0.1)
@@ -32,7 +32,7 @@ def test_noise_is_as_large_as_it_says():
 
 
 def test_driving_off_pushes_forward():
-    sim = simulator(imu=QUIET)
+    sim = assemble(imu=QUIET)
     sim.advance(1000)
     sim.robots[0].command(0.4, 0.0)
     force = np.mean([value.linear_acceleration for value in measure(sim, 300)], axis=0)
@@ -41,7 +41,7 @@ def test_driving_off_pushes_forward():
 
 
 def test_a_reset_is_not_an_acceleration():
-    sim = simulator(imu=QUIET)
+    sim = assemble(imu=QUIET)
     sim.robots[0].command(1.0, 0.0)
     sim.advance(1000)
     sim.reset_world()

@@ -24,8 +24,7 @@ OLD = ('<imu><noise><type>gaussian</type><rate><mean>0.5</mean></rate><accel><bi
 def readings(kind, inside, version='1.6', count=1):
     file = world_file.read('world.sdf', {}, read_file=lambda path: sdf(
         MODEL.format(kind, inside), version=version))
-    built = assembly.build(PhysicsSettings(), file, [], kinds=SENSORS, with_bare=True)
-    sim = built.simulator
+    sim = assembly.build(PhysicsSettings(), file, [], kinds=SENSORS, with_bare=True)
     sim.advance(10)
     found = [each.value for each in sim.advance(10 * count)]
     assert len(found) >= count

@@ -8,7 +8,7 @@ from img_recog.simulation.physics.drive import DifferentialDrive
 from img_recog.simulation.sensors.odometry import EncoderOdometry, OdometrySettings
 from img_recog.simulation.sensors.sensor import Mount
 from img_recog_helpers.refusals import refusal
-from img_recog_helpers.robots import burgers_drive, simulator
+from img_recog_helpers.robots import assemble, burgers_drive
 
 ENCODER = OdometrySettings(odometry_source='encoder')
 
@@ -30,7 +30,7 @@ def planar(motion):
 
 
 def test_world_is_the_true_pose_of_the_root_link_by_default():
-    sim = simulator(x=3.0, y=-2.0, yaw=0.5)
+    sim = assemble(x=3.0, y=-2.0, yaw=0.5)
     sim.robots[0].command(0.2, 0.5)
     odometry, true = last_odometry(sim, 990), sim.robots[0].body.motion('base_footprint')
     for got, wanted in zip(odometry, true):
@@ -40,7 +40,7 @@ def test_world_is_the_true_pose_of_the_root_link_by_default():
 
 def test_world_is_the_true_pose_of_base_frame():
     settings = OdometrySettings(base_frame='base_scan')
-    sim = simulator(x=3.0, y=-2.0, yaw=math.pi / 2, odometry=settings)
+    sim = assemble(x=3.0, y=-2.0, yaw=math.pi / 2, odometry=settings)
     # the scanner sits 0.032 m behind the root link's origin and 0.182 m above
     position = last_odometry(sim, 33).position
     assert position == pytest.approx([3.0, -2.032, 0.182], abs=0.002)
@@ -52,13 +52,13 @@ def test_world_is_the_true_pose_of_base_frame():
 
 def test_a_base_frame_that_is_no_link_is_a_name_for_the_root_link():
     settings = OdometrySettings(base_frame='robot1/base_link')
-    sim = simulator(x=3.0, y=-2.0, odometry=settings)
+    sim = assemble(x=3.0, y=-2.0, odometry=settings)
     assert last_odometry(sim, 33).position == pytest.approx([3.0, -2.0, 0.0], abs=0.002)
     assert sim.robots[0].odometry.base_frame == 'robot1/base_link'
 
 
 def test_encoder_starts_at_zero_wherever_it_stands_and_counts_a_straight_way():
-    sim = simulator(x=-1.0, y=4.0, yaw=2.5, odometry=ENCODER)
+    sim = assemble(x=-1.0, y=4.0, yaw=2.5, odometry=ENCODER)
     assert planar(last_odometry(sim, 33)) == pytest.approx([0, 0, 0], abs=1e-3)
     start = sim.robots[0].body.motion()
     sim.robots[0].command(0.2, 0.0)
@@ -71,7 +71,7 @@ def test_encoder_starts_at_zero_wherever_it_stands_and_counts_a_straight_way():
 
 @pytest.mark.parametrize('speed, turn', [(0.2, 0.4), (0.2, -0.4), (-0.2, 0.4)])
 def test_encoder_follows_an_arc(speed, turn):
-    sim = simulator(x=1.0, y=2.0, yaw=-2.0, odometry=ENCODER)
+    sim = assemble(x=1.0, y=2.0, yaw=-2.0, odometry=ENCODER)
     start = sim.robots[0].body.motion()
     sim.robots[0].command(speed, turn)
     odometry = last_odometry(sim, 33 * 90)          # 1.2 rad, of a radius of 0.5 m
@@ -122,7 +122,7 @@ def test_encoder_counts_a_circle_exactly_where_no_wheel_slips(radius):
 
 def test_encoder_misses_that_the_wheels_slip():
     # a robot against a wall: the wheels turn on, and the true pose does not
-    sim = simulator('turtlebot3_world', x=2.4, y=-0.5, odometry=ENCODER)
+    sim = assemble('turtlebot3_world', x=2.4, y=-0.5, odometry=ENCODER)
     start = sim.robots[0].body.motion()
     sim.robots[0].command(0.22, 0.0)
     odometry = last_odometry(sim, 33 * 100)
@@ -131,7 +131,7 @@ def test_encoder_misses_that_the_wheels_slip():
 
 @pytest.mark.parametrize('reset', ['reset_world', 'reset_simulation'])
 def test_encoder_is_at_zero_after_a_reset(reset):
-    sim = simulator(x=1.0, yaw=1.0, odometry=ENCODER)
+    sim = assemble(x=1.0, yaw=1.0, odometry=ENCODER)
     sim.robots[0].command(0.2, 0.5)
     assert last_odometry(sim, 990).position[0] > 0.05
     getattr(sim, reset)()

@@ -32,7 +32,7 @@ def built(*tags, height=1):
     urdf = robots.burger('').replace('</robot>', LINK + ''.join(tags) + '</robot>')
     robot = robots.read(urdf).changed(spawn=robots.settings_of(x=0.5).spawn,
                                       drive=robots.burgers_drive())
-    return robots.build(sdf.sdf(sdf.BUILT_IN, wall), [robot]).simulator
+    return robots.build(sdf.sdf(sdf.BUILT_IN, wall), [robot])
 
 
 def readings(sim, steps=100):
@@ -65,7 +65,7 @@ def test_rays_by_pybullet_go_through_the_robot_as_far_as_by_geometry():
                                   or kind.only_in_tags], ids=lambda kind: kind.name)
 def test_a_frame_that_is_no_link_is_refused_with_the_name_of_the_setting(kind):
     name = kind.name + '_frame'
-    line = refusal(kind.make, mount_of(robots.simulator()), kind.settings(**{name: 'nose'}))
+    line = refusal(kind.make, mount_of(robots.assemble()), kind.settings(**{name: 'nose'}))
     assert line.startswith(name + ': the robot has no link nose')
 
 
