@@ -187,6 +187,9 @@ class Joints:
             name = expressed.get('expressed_in', '')
             frame = scope.frame(name, joint) if name else None
             base = frame and model @ frame
+        elif in_model and self._version >= (1, 7):
+            self._report.add(NOT_USED, '<use_parent_model_frame>, since SDF 1.7',
+                             'joint ' + name_of(joint))         # as in Gazebo
         elif in_model or (in_model is None and self._version < (1, 5)):
             base = model        # until SDF 1.4 axes were given in the model's frame
         return direction if base is None else pose.rotation.T @ base.rotation @ direction
