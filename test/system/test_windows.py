@@ -133,8 +133,8 @@ def test_the_simulators_window_shows_nothing_before_all_is_loaded(ros, display):
     def is_shown_for_a_while():
         image = screenshot(display)[:700, :1000].astype(int)
         is_background = np.abs(image - 178).max(axis=2) < 5
-        # less: the menus that PyBullet shows at first; more: nothing yet
-        if 0.4 < is_background.mean() < 0.998:
+        assert (image.min(axis=2) > 240).mean() < 0.05      # the menus of PyBullet are white
+        if 0.4 < is_background.mean() < 0.998:      # less, more: nothing yet
             shown.append(image)
         return len(shown) > 20
     wait_for(is_shown_for_a_while, 'the world')

@@ -38,7 +38,7 @@ def read(path: str, option: str = 'urdf') -> str:
     except (OSError, MarkupError) as error:
         raise UserError('cannot read the robot in {}: {}'.format(
             path, error.problem if isinstance(error, MarkupError) else one_line(error)),
-            'set {} to a URDF file'.format(option))
+            'set {} to a URDF or xacro file'.format(option))
     if path.endswith(_XACRO):
         return _expanded(path, content, arguments)
     try:

@@ -87,9 +87,9 @@ def test_a_urdf_is_read_as_it_is_if_it_is_text(tmp_path, content, text):
 @pytest.mark.parametrize('name', ['no.urdf', 'no.urdf.xacro'])
 def test_missing_file_names_the_option(tmp_path, name):
     words = refusal(str(tmp_path / name))
-    assert words.endswith('No such file or directory; set --urdf to a URDF file')
+    assert words.endswith('No such file or directory; set --urdf to a URDF or xacro file')
     assert refusals.refusal(robot_file.read, str(tmp_path / name)).endswith(
-        'No such file or directory; set urdf to a URDF file')
+        'No such file or directory; set urdf to a URDF or xacro file')
 
 
 def test_command_of_ros_1_is_used_where_it_is_installed(box, command):

@@ -33,7 +33,7 @@ _LIGHT = {'lightPosition': tuple(-100 * axis for axis in SUN.direction), 'shadow
 _DISTANCE_FACTOR = (1.25 * math.tan(math.radians(FIELD_OF_VIEW / 2))
                     / math.tan(math.radians(45)))
 _OPTIONS = ('--background_color_red=0.7 --background_color_green=0.7 '
-            '--background_color_blue=0.7 --width=1024 --height=768')
+            '--background_color_blue=0.7 --width=1024 --height=768 --nogui')
 _FLOOR_HALF_SIZE_M = 20.0
 _FLOOR_COLOR = (0.72, 0.72, 0.72, 1.0)
 

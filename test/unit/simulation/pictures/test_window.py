@@ -218,7 +218,8 @@ def test_window_shows_the_newest_poses_from_the_camera_above(monkeypatch):
     assert seen['connected'][0] == pybullet.GUI
     assert seen['connected'][1].split() == [
         '--background_color_red=0.7', '--background_color_green=0.7',
-        '--background_color_blue=0.7', '--width=1024', '--height=768']
+        '--background_color_blue=0.7', '--width=1024', '--height=768',
+        '--nogui']
     assert seen['configured'] == [
         ((pybullet.COV_ENABLE_GUI, 0), {'physicsClientId': client}),
         ((), {'lightPosition': tuple(-100 * axis for axis in SUN.direction),
