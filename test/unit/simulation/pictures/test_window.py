@@ -193,13 +193,13 @@ def test_window_gets_poses_at_30_hz_and_never_blocks(helpers, clock):
 
 
 def test_a_window_draws_nothing_until_its_bodies_are_placed(monkeypatch):
-    assembly, states = robots.assemble(), []
+    simulator, states = robots.assemble(), []
     monkeypatch.setattr(pybullet, 'configureDebugVisualizer', lambda flag, is_on, **_:
                         states.append((flag, is_on)))
-    copy = SceneCopy(scene_of(assembly.simulator), connect(), floor=False)
+    copy = SceneCopy(scene_of(simulator), connect(), floor=False)
     assert states == [(pybullet.COV_ENABLE_RENDERING, 0)]
     for _ in range(2):
-        copy.place(poses_of(assembly.simulator))
+        copy.place(poses_of(simulator))
     assert states == [(pybullet.COV_ENABLE_RENDERING, 0), (pybullet.COV_ENABLE_RENDERING, 1)]
 
 
