@@ -27,7 +27,7 @@ from img_recog.nodes.gazebo.physics_services import SteppingSettings
 from img_recog.nodes.gazebo.robot_reader import RobotsSettings, robot_settings_classes
 from img_recog.nodes.robots.robot_list import NodeSettings
 from img_recog.nodes.robots.robots_node import ManagerSettings
-from img_recog.nodes.web.web_settings import WebSettings
+from img_recog.nodes.web.shown_robots import WebSettings
 from img_recog.recognition.recognition_settings import DEFAULT_COLORS, with_colors
 from img_recog.settings import allowed_text
 from img_recog.simulation.simulation_settings import PhysicsSettings, ViewSettings

@@ -8,7 +8,7 @@ from img_recog import files
 from img_recog.camera import calibration
 from img_recog.checks import world_check
 from img_recog.errors import UserError
-from img_recog.formats import heightmaps, textures
+from img_recog.formats import heightmaps, materials
 from img_recog.formats.meshes import mesh_file
 from img_recog.loading import robot_file
 from img_recog.model import HEIGHTMAP, Shape
@@ -93,7 +93,7 @@ def mask(folder):
      'cannot read the mesh {1}/a.obj: {0} is a pipe or device, not a file; give a DAE'),
     (lambda folder: mesh_file.read(obj(folder, 'mtllib /dev/stdin')),
      'cannot read the mesh {1}/a.obj: /dev/stdin is a pipe or device, not a file; give a DAE'),
-    (lambda folder: textures.read(pipe(folder, 'p')),
+    (lambda folder: materials.read_texture(pipe(folder, 'p')),
      'cannot read the texture {0}: {0} is a pipe or device, not a file; give a PNG'),
     (heightmap, 'heightmap {0}: {0} is a pipe or device, not a file; give a PNG'),
     (mask, '{1}/samples.yaml: entry 1: cannot read the mask {0}.png: {0}.png is a pipe or device'),
@@ -122,8 +122,8 @@ def test_what_a_file_names_is_refused(tmp_path, monkeypatch, read, words):
 def test_a_texture_that_is_a_pipe_is_named(tmp_path):
     library = written(tmp_path, 'a.mtl', 'newmtl a\nmap_Kd {}\n'.format(pipe(tmp_path, 'p')))
     part, = mesh_file.read(obj(tmp_path, 'mtllib ' + os.path.basename(library)))
-    with pytest.raises(textures.TextureError, match='is a pipe or device, not a file'):
-        textures.read(part.material.texture)
+    with pytest.raises(materials.TextureError, match='is a pipe or device, not a file'):
+        materials.read_texture(part.material.texture)
     mesh_file.write(str(tmp_path / 'a.obj'), str(tmp_path), materials=True)
 
 

@@ -8,7 +8,7 @@ import numpy as np
 from img_recog import rotations
 from img_recog.checks.check_report import SIMULATED, CheckRow
 from img_recog.errors import UserError, one_line
-from img_recog.formats import textures
+from img_recog.formats import materials
 from img_recog.formats.meshes import mesh_file
 from img_recog.model import Visual
 from img_recog.rendering import triangles
@@ -71,7 +71,7 @@ class _Reader:
         if not path or path in self.textures:
             return
         try:
-            textures.read(path)
+            materials.read_texture(path)
             self.textures.add(path)
         except UserError as error:
             self.problems[one_line(error)] = None

@@ -4,11 +4,17 @@ import re
 import xml.etree.ElementTree as ElementTree
 from typing import Dict, Iterator, List, NamedTuple, Optional, Sequence, Tuple
 
+import numpy as np
+
+from img_recog.errors import UserError, one_line
 from img_recog.files import FindFile, plain
 from img_recog.formats.reader import text_of, value
 from img_recog.model import WHITE, Color, Material, Rgb
 from img_recog.report import NOT_FOUND, Report
 
+_MAX_SIZE_PX = 4096
+# 8192x16384; each takes 3 bytes while it is reduced. Images of a camera have max_image_pixels
+_MAX_PIXELS = 1 << 27
 _PREFIX = 'Gazebo/'
 _SIGN = 'drc/san_fauxcity_sign'         # the only one of that file with another prefix
 _DIM = (0.1, 0.1, 0.1)
@@ -95,6 +101,29 @@ _NUMBERS = r'\b{}((?:\s+' + _NUMBER + r'){{{}}}(?:\s+' + _NUMBER + r')?)(?=[\s}}
 _DEFAULT = '__default__'                # SDF's own word for no script
 _SCRIPTS = 'file://media/materials/scripts'     # where Gazebo looks for what names no file
 _DARK: Rgb = (0.0, 0.0, 0.0)
+
+
+class TextureError(UserError):
+    """A texture cannot be read."""
+
+
+def read_texture(path: str, mode: str = 'RGB') -> np.ndarray:
+    """Return the image of a file, (rows, columns, channels); mode: RGB or RGBA.
+
+    An image with a side of more than 4096 pixels is reduced. Raises TextureError naming the file.
+    """
+    from PIL import Image       # takes time, and most robots and worlds have no texture
+    Image.MAX_IMAGE_PIXELS = None       # Pillow's own limit is a warning, or names no number
+    try:
+        with open(path, 'rb', opener=plain) as file, Image.open(file) as image:
+            if image.width * image.height > _MAX_PIXELS:
+                raise ValueError('{}x{} pixels are more than {}'.format(
+                    image.width, image.height, _MAX_PIXELS))
+            image.thumbnail((_MAX_SIZE_PX, _MAX_SIZE_PX))
+            return np.asarray(image.convert(mode))      # which does not copy it once more
+    except Exception as error:      # Pillow raises errors of many types
+        raise TextureError('cannot read the texture {}: {}'.format(path, one_line(error)),
+                           'give a PNG or JPEG file')
 
 
 def gazebo_material(name: str) -> Optional[Material]:

@@ -7,7 +7,7 @@ import moderngl
 import numpy as np
 
 from img_recog.errors import one_line
-from img_recog.formats import textures
+from img_recog.formats import materials
 from img_recog.formats.meshes.mesh_file import MeshError, Triangles
 from img_recog.model import (DIRECTIONAL, EXP, EXP2, LINEAR, MESH, SPOT, WHITE, Fog, Light,
                              Material, Rgb, Shape, Surroundings, Visual, VisualScene)
@@ -292,7 +292,7 @@ class SceneLoader:
         """Return the image at a path, None for '' or if it cannot be read."""
         try:
             return images.get(path) if path else None
-        except textures.TextureError as error:
+        except materials.TextureError as error:
             self._miss(one_line(error))
             return None
 

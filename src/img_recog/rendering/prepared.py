@@ -10,7 +10,7 @@ from typing import Any, Callable, Dict, Generic, List, Optional, Tuple, TypeVar
 import numpy as np
 
 from img_recog.files import cache_folder
-from img_recog.formats import textures
+from img_recog.formats import materials
 from img_recog.formats.meshes import mesh_file
 from img_recog.formats.meshes.mesh_file import MeshError, Triangles
 from img_recog.model import Material
@@ -147,7 +147,7 @@ def read_texture(path: str, mode: str = 'RGB') -> np.ndarray:
     kept = load_stored(*key)
     if kept is not None:
         return kept[0][::-1]
-    image = textures.read(path, mode)
+    image = materials.read_texture(path, mode)
     store_prepared(image[::-1], None, *key)       # as OpenGL wants it: the lowest row first
     return image
 

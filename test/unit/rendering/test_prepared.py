@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from img_recog.formats import textures
+from img_recog.formats import materials
 from img_recog.formats.meshes import mesh_file
 from img_recog.rendering import prepared
 
@@ -27,7 +27,7 @@ def folder(tmp_path, monkeypatch):
 def reads(monkeypatch, module):
     """Return a list of what `read` of a module reads from now on."""
     found, read = [], module.read
-    monkeypatch.setattr(module, 'read', lambda *given: found.append(given) or read(*given))
+    monkeypatch.setattr(module, 'read_texture', lambda *given: found.append(given) or read(*given))
     return found
 
 
@@ -75,8 +75,8 @@ def test_a_mesh_whose_texture_is_not_found_is_read_each_time(folder, monkeypatch
 @pytest.mark.parametrize('mode, shape', [('RGB', (4, 3, 3)), ('RGBA', (4, 3, 4))])
 def test_a_texture_is_decoded_once(folder, monkeypatch, mode, shape):
     path = str(folder / 'a.png')
-    expected = textures.read(path, mode)
-    found = reads(monkeypatch, textures)
+    expected = materials.read_texture(path, mode)
+    found = reads(monkeypatch, materials)
     for _ in range(2):
         image = prepared.read_texture(path, mode)
         prepared.wait_for_writers()
@@ -90,7 +90,7 @@ def test_a_texture_is_decoded_once(folder, monkeypatch, mode, shape):
 def test_errors_are_those_of_the_readers(folder):
     for name, read, error in (('a.stl', prepared.read_mesh, mesh_file.MeshError),
                               ('b.obj', prepared.read_mesh, mesh_file.MeshError),
-                              ('m.mtl', prepared.read_texture, textures.TextureError)):
+                              ('m.mtl', prepared.read_texture, materials.TextureError)):
         with pytest.raises(error, match='cannot read the .*' + name):
             read(str(folder / name))
 

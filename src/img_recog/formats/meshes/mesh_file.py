@@ -143,10 +143,11 @@ def _simple_material(material: Material, number: int) -> Any:
     from PIL import Image
     from trimesh.visual.material import SimpleMaterial
 
-    from img_recog.formats import textures
+    from img_recog.formats import materials
     try:
-        image = Image.fromarray(textures.read(material.texture)) if material.texture else None
-    except textures.TextureError:
+        image = (Image.fromarray(materials.read_texture(material.texture)) if material.texture
+                 else None)
+    except materials.TextureError:
         image = None        # the image of a camera names it
     return SimpleMaterial(image=image, name='material_{}'.format(number),
                           diffuse=[round(255 * value) for value in material.color])

@@ -33,18 +33,20 @@ settings of the simulation as private parameters.
 """
 import time
 from functools import partial
-from typing import Callable, Optional
+from typing import Callable, Optional, Tuple
 
 import cv2
 import rospy
+from diagnostic_msgs.msg import DiagnosticStatus
 from diagnostic_updater import DiagnosticStatusWrapper
+from rosgraph_msgs.msg import Clock
+from std_msgs.msg import Float64
 from visualization_msgs.msg import MarkerArray
 
 from img_recog.conversions import plane_msgs, robot_msgs
 from img_recog.conversions.plane_msgs import PlanePose
 from img_recog.loading import assemble
 from img_recog.nodes.gazebo import model_services
-from img_recog.nodes.gazebo.clock import SimulatedClock
 from img_recog.nodes.gazebo.images import Images
 from img_recog.nodes.gazebo.lockstep import Lockstep, LockstepSettings
 from img_recog.nodes.gazebo.model_services import ModelServices
@@ -56,13 +58,16 @@ from img_recog.nodes.gazebo.robot_reader import (ROBOTS, RobotReader, RobotsSett
 from img_recog.nodes.gazebo.robot_updates import RobotUpdates
 from img_recog.nodes.gazebo.time_gate import Mode, TimeGate, Wait
 from img_recog.nodes.gazebo.transforms import StaticTransforms
-from img_recog.ros import lifecycle, parameters
-from img_recog.ros.diagnostics import NodeDiagnostics
+from img_recog.ros import lifecycle, master_calls, parameters
+from img_recog.ros.diagnostics import MIN_SHARE, Durations, NodeDiagnostics, add_durations
 from img_recog.ros.reconfigure import Reconfigurable
+from img_recog.ros.transport import own_time
+from img_recog.ros.transport.direct_publisher import DirectPublisher
 from img_recog.simulation.models import Models
 from img_recog.simulation.pacing import Pace, timeout_scale
 from img_recog.simulation.pictures.footprints import footprints
 from img_recog.simulation.simulation_settings import PhysicsSettings, ViewSettings, whole_steps
+from img_recog.simulation.simulator import Simulator
 
 _SETTINGS = (PhysicsSettings, ViewSettings, RobotsSettings, LockstepSettings, SteppingSettings,
              *robot_settings_classes())
@@ -71,6 +76,68 @@ _POLL_PERIOD_S = 0.1
 # physics, no code for messages is in the processor's cache: it gets there once in a round.
 _FREE_RUN_ROUND_S = 0.02
 _LOCKSTEP_ROUND_S = 1.0
+
+
+class SimulatedClock:
+    """Publishes /clock (rosgraph_msgs/Clock) and ~real_time_factor (std_msgs/Float64).
+
+    Attributes:
+        periods: Durations of the simulation of a clock period, without waiting.
+    """
+
+    def __init__(self, simulator: Simulator, pace: Pace, gate: TimeGate):
+        """Advertise; log a warning if another node publishes /clock."""
+        self._simulator, self._pace, self._gate = simulator, pace, gate
+        self.periods = Durations()
+        self._times, self._msg = DirectPublisher('/clock', Clock, latch=True), Clock()
+        self._factors = rospy.Publisher('~real_time_factor', Float64, queue_size=1, latch=True)
+        name = rospy.get_name()
+        others = sorted(set(master_calls.calls().state().published.get('/clock', ())) - {name})
+        if others:
+            rospy.logwarn('/clock has another publisher, %s: two simulations mix up time, tf and '
+                          'odometry; stop one of them', ', '.join(others))
+
+    def add(self) -> None:
+        """Set the time of this node, and let the next flush publish it."""
+        # 0 after a reset would be no time: rosbag record would end
+        now = self._msg.clock = robot_msgs.stamp_of(self._simulator.time_s or 1e-9)
+        own_time.set_time(now)
+        self._times.add(self._msg)
+
+    def flush(self) -> None:
+        """Publish the times that were added."""
+        self._times.flush()
+
+    def count(self, simulated_s: float) -> None:
+        """Count simulated time; once a second publish the real time factor."""
+        measured = self._pace.measure(simulated_s)
+        if measured is not None:
+            self._factors.publish(Float64(measured))
+        is_slow = self._pace.take_report()
+        if is_slow:
+            rospy.logwarn('this machine is too slow for real_time_factor %g: simulated time falls '
+                          'behind, no step is skipped; the factor is %.2f now',
+                          self._pace.wanted, self._pace.measured)
+        elif is_slow is not None:
+            rospy.loginfo('simulated time keeps up again, the factor is %.2f', self._pace.measured)
+
+    def report(self, status: DiagnosticStatusWrapper) -> None:
+        """Fill in a status; to be called once in each period, in any thread."""
+        status.summary(*_summary(self._pace, self._gate.is_paused))
+        status.add('simulated time (s)', '{:.2f}'.format(self._simulator.time_s))
+        status.add('real time factor', '{:.2f}'.format(self._pace.measured))
+        status.add('wanted real time factor', '{:g}'.format(self._pace.wanted))
+        add_durations(status, 'clock period', self.periods)
+
+
+def _summary(pace: Pace, is_paused: bool) -> Tuple[int, str]:
+    if is_paused:
+        return DiagnosticStatus.OK, 'paused'
+    if 0 < pace.measured < MIN_SHARE * pace.wanted:
+        return DiagnosticStatus.WARN, (
+            'too slow: real time factor {:.2f} instead of {:g}; use a smaller real_time_factor, '
+            'or close windows'.format(pace.measured, pace.wanted))
+    return DiagnosticStatus.OK, 'real time factor {:.2f}'.format(pace.measured)
 
 
 class Gazebo:

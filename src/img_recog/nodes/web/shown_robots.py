@@ -3,6 +3,7 @@ import math
 import re
 import threading
 import time
+from dataclasses import dataclass
 from typing import Callable, Dict, List, Mapping, NamedTuple, Optional, Set, Tuple, Union
 
 import rosgraph
@@ -23,6 +24,7 @@ from img_recog.recognition.recognition_settings import DEFAULT_COLORS, color_nam
 from img_recog.ros import master_calls, parameters, timed_xmlrpc
 from img_recog.ros.stopping_publisher import StoppingPublisher
 from img_recog.ros.throttle import ThrottledWarning
+from img_recog.settings import Settings, between, not_empty, setting
 from img_recog.teleoperation import VelocityLimits
 
 _PERIOD_S = 0.05
@@ -35,6 +37,19 @@ _STOPS = 3              # zeros that are sent after a release
 _COMMANDS, _ODOMETRY = 'cmd_vel', 'odom'
 
 TopicUsers = Mapping[str, List[str]]
+
+
+@dataclass(frozen=True)
+class WebSettings(Settings):
+    """Where the page is served.
+
+    web_host: the address to listen on; the default is this computer alone. Anyone who reaches it
+    and has the token drives the robot; nothing is encrypted.
+    web_port: the first port to try; if it is taken, the next free one of the ten after it.
+    """
+
+    web_host: str = setting('127.0.0.1', not_empty())
+    web_port: int = setting(8080, between(1, 65535))
 
 
 class Speeds:

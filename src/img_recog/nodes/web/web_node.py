@@ -39,10 +39,9 @@ from img_recog.nodes.web.measurements import SystemTopics
 from img_recog.nodes.web.page import Server, address, listen, parse_in_turn, report_errors
 from img_recog.nodes.web.page_elements import Shared
 from img_recog.nodes.web.pictures import PictureTopics
-from img_recog.nodes.web.shown_robots import ShownRobots, resolve
+from img_recog.nodes.web.shown_robots import ShownRobots, WebSettings, resolve
 from img_recog.nodes.web.tabs import TABS
 from img_recog.nodes.web.tuning import Tuning
-from img_recog.nodes.web.web_settings import WebSettings
 from img_recog.processes import bag_recording
 from img_recog.processes.bag_recording import BagRecording, RecordingSwitch
 from img_recog.ros import lifecycle, master_calls, parameters

@@ -7,10 +7,10 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from img_recog.formats import textures
+from img_recog.formats import materials
 from img_recog.formats.meshes import collada, mesh_file
 from img_recog.formats.meshes.mesh_file import MeshError
-from img_recog.formats.textures import TextureError
+from img_recog.formats.materials import TextureError
 from img_recog_helpers import bombs
 
 COLLADA = '''<COLLADA version="1.4.1" xmlns="http://www.collada.org/2005/11/COLLADASchema">
@@ -102,7 +102,7 @@ def test_a_texture_that_cannot_be_read_is_named(tmp_path, content, words):
         path.write_bytes(content)
     part = textured(tmp_path, 'a.png')
     with pytest.raises(TextureError) as error:
-        textures.read(part.material.texture)
+        materials.read_texture(part.material.texture)
     line = str(error.value)
     assert line.startswith('cannot read the texture {}: '.format(path))
     assert words in line and '\n' not in line
@@ -114,7 +114,7 @@ def test_pybullet_gets_the_texture_of_an_obj(tmp_path):
     textured(tmp_path, 'a.png')
     path = mesh_file.write(str(tmp_path / 'meshes' / 'a.obj'), str(tmp_path), materials=True)
     part, = mesh_file.read(path)
-    assert textures.read(part.material.texture)[0, 0].tolist() == [10, 20, 30]
+    assert materials.read_texture(part.material.texture)[0, 0].tolist() == [10, 20, 30]
     assert part.uvs[0].tolist() == [[0, 0], [1, 0], [0, 1]]
     assert part.material.color == pytest.approx((0.2, 0.4, 0.6, 1), abs=1e-6)
 

@@ -6,8 +6,8 @@ import pytest
 import rospy
 from diagnostic_msgs.msg import DiagnosticStatus
 
-from img_recog.nodes.gazebo import clock as clock_module
-from img_recog.nodes.gazebo.clock import SimulatedClock
+from img_recog.nodes.gazebo import gazebo_node
+from img_recog.nodes.gazebo.gazebo_node import SimulatedClock
 from img_recog.nodes.gazebo.command_counts import CommandCounts
 from img_recog.nodes.gazebo.physics_services import ServiceCalls
 from img_recog.nodes.gazebo.time_gate import Mode, TimeGate
@@ -20,8 +20,8 @@ OK, WARN = DiagnosticStatus.OK, DiagnosticStatus.WARN
 @pytest.fixture
 def make(monkeypatch):
     """A function that makes a SimulatedClock without a master."""
-    for module, name in ((clock_module, 'DirectPublisher'), (rospy, 'Publisher'),
-                         (clock_module, 'master_calls')):
+    for module, name in ((gazebo_node, 'DirectPublisher'), (rospy, 'Publisher'),
+                         (gazebo_node, 'master_calls')):
         monkeypatch.setattr(module, name, mock.MagicMock())
 
     def running(measured, wanted=1.0, mode=Mode.RUNNING):
