@@ -24,10 +24,10 @@ def folder(tmp_path, monkeypatch):
     return tmp_path
 
 
-def reads(monkeypatch, module):
-    """Return a list of what `read` of a module reads from now on."""
-    found, read = [], module.read
-    monkeypatch.setattr(module, 'read_texture', lambda *given: found.append(given) or read(*given))
+def reads(monkeypatch, module, name='read'):
+    """Return a list of what a function of a module reads from now on."""
+    found, read = [], getattr(module, name)
+    monkeypatch.setattr(module, name, lambda *given: found.append(given) or read(*given))
     return found
 
 
@@ -76,7 +76,7 @@ def test_a_mesh_whose_texture_is_not_found_is_read_each_time(folder, monkeypatch
 def test_a_texture_is_decoded_once(folder, monkeypatch, mode, shape):
     path = str(folder / 'a.png')
     expected = materials.read_texture(path, mode)
-    found = reads(monkeypatch, materials)
+    found = reads(monkeypatch, materials, 'read_texture')
     for _ in range(2):
         image = prepared.read_texture(path, mode)
         prepared.wait_for_writers()
