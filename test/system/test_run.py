@@ -20,7 +20,7 @@ from img_recog_helpers.waiting import DEADLINE_S, stretch, wait_for
 SHARED = ('.venv', os.path.join('test', 'data'))        # takes too long to make again
 # what the commands do not need: each run of the unit tests loads modules that have examples, and
 # counts lines
-UNUSED = ('batch', 'checks', 'graph', 'loading', 'rendering', 'replay')
+UNUSED = ('batch', 'checks', 'graph', 'loading', 'replay')
 
 RUN_TIMEOUT_S = 180.0
 
