@@ -20,7 +20,9 @@ _ADVICE = 'give one of these, a file, or synthetic'
 
 def list_devices() -> str:
     """Return the V4L2 devices of this machine, as text for an error line."""
-    return ', '.join(sorted(glob.glob('/dev/video*'))) or 'no /dev/video*'
+    found = sorted(glob.glob('/dev/video*'))
+    return 'there {} {}'.format('are' if len(found) > 1 else 'is',
+                                ', '.join(found) or 'no /dev/video*')
 
 
 class DeviceSource(FrameSource):
@@ -40,7 +42,7 @@ class DeviceSource(FrameSource):
         if not self._capture.isOpened():
             self._capture.release()
             raise SourceError(
-                'cannot open {}: no V4L2 capture device, or in use by another program (have {})'
+                'cannot open {}: no V4L2 capture device, or in use by another program ({})'
                 .format(self.name, list_devices()), _ADVICE)
         self._negotiate(settings)
 
@@ -52,7 +54,7 @@ class DeviceSource(FrameSource):
             raise SourceError('cannot open {}: {}'.format(self.name, one_line(error)),
                               'add your user to the group video, or run as one who can read it')
         except OSError as error:
-            raise SourceError('cannot open {}: {} (have {})'.format(
+            raise SourceError('cannot open {}: {} ({})'.format(
                 self.name, one_line(error), list_devices()), _ADVICE)
 
     def _negotiate(self, settings: UsbCamSettings) -> None:

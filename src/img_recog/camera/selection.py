@@ -97,7 +97,7 @@ def find(name: str, folders: Sequence[str]) -> str:
     for path in candidates:
         if os.path.exists(path):
             return os.path.abspath(path)
-    missing = ('device (have {})'.format(list_devices()) if candidates[0].startswith('/dev/')
+    missing = ('device ({})'.format(list_devices()) if candidates[0].startswith('/dev/')
                else 'file')
     raise RefusedSource(
         'cannot open {}: no such {}'.format(candidates[0], missing),

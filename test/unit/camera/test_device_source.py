@@ -119,7 +119,7 @@ def test_unplugged_device_is_a_one_line_error(open_device):
 
 @pytest.mark.parametrize('error, words', [
     (PermissionError(13, 'Permission denied'), 'Permission denied; add your user to the '),
-    (OSError(16, 'Device or resource busy'), 'Device or resource busy (have ')])
+    (OSError(16, 'Device or resource busy'), 'Device or resource busy (there ')])
 def test_device_that_cannot_be_opened_gives_the_reason(open_device, monkeypatch, error, words):
     def refuse(*_):
         raise error

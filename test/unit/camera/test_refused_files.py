@@ -36,12 +36,12 @@ ADVICE = ('give a device, a video, an image, synthetic or auto: camera:=syntheti
           'and roslaunch, _video_device:=synthetic to rosrun')
 
 
-@pytest.mark.parametrize('found, listed', [((), 'no /dev/video*'),
-                                           ('31', '/dev/video1, /dev/video3')])
+@pytest.mark.parametrize('found, listed', [((), 'there is no /dev/video*'),
+                                           ('31', 'there are /dev/video1, /dev/video3')])
 def test_missing_device_lists_the_devices_and_says_where_to_set_one(devices, found, listed):
     devices[:] = map('/dev/video{}'.format, found)
     assert refusal('/dev/video77') == (
-        'cannot open /dev/video77: no such device (have {}); {}'.format(listed, ADVICE))
+        'cannot open /dev/video77: no such device ({}); {}'.format(listed, ADVICE))
 
 
 def test_missing_file_says_nothing_about_devices(tmp_path, devices):
@@ -151,8 +151,8 @@ def test_what_is_no_file(tmp_path, make, what):
 def test_character_device_that_is_not_a_camera(devices):
     devices.append('/dev/video7')
     assert refusal('/dev/null') == (
-        'cannot open /dev/null: no V4L2 capture device, or in use by another program (have '
-        '/dev/video7); give one of these, a file, or synthetic')
+        'cannot open /dev/null: no V4L2 capture device, or in use by another program (there '
+        'is /dev/video7); give one of these, a file, or synthetic')
 
 
 def test_file_without_permission_to_read(make_video, monkeypatch):
