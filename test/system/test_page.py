@@ -319,8 +319,9 @@ def test_samples_give_bounds_that_are_used_and_files_for_fit_colors(demo, page):
     touch(page, (0.15, 0.5), (0.35, 0.6))
     wait_for(lambda: 'contradict each other: 50.0% of sample 3 is blue' in page.text(
         '.q-notifications'), said)
-    wait_for(lambda: page.has_button('Use for blue'), said)
-    numbers = [float(each) for each in re.findall(r'[0-9.]+[0-9]', page.text('.offers'))]
+    # the offers are drawn anew while their picture comes, and are empty meanwhile
+    numbers = wait_for(lambda: page.has_button('Use for blue') and [
+        float(each) for each in re.findall(r'[0-9.]+[0-9]', page.text('.offers'))], said)
     assert len(numbers) == 8 and numbers[6] > 99.5 and numbers[7] < 0.1
     names = ['blue_{}_{}'.format(part, end) for part in ('hue', 'saturation', 'value')
              for end in ('min', 'max')]
