@@ -1,15 +1,15 @@
 """The simulator, the user's nodes and the test in one ROS graph, from their start to their end."""
 import atexit
-import concurrent.futures
 import contextlib
 import io
 import logging
 import os
+import queue
 import sys
 import tempfile
 import threading
 import time
-from typing import Any, Callable, Dict, Iterable, List, Optional, Sequence
+from typing import Any, Callable, Dict, Iterable, List, Optional, Sequence, Tuple
 
 import rosgraph
 import rosmaster.master
@@ -36,6 +36,7 @@ _CLOCK = '/clock'
 _WAITS = 'simulation paused: waiting for'     # of the lines that say for whom
 _POLL_PERIOD_S, _SETTLING_PERIOD_S, _SETTLING_S = 0.05, 0.001, 5.0      # of wall time
 _MAX_STEP_S = 3600.0        # of ~step_period
+_NO_CALL = -1
 _active: List['Running'] = []
 
 
@@ -139,7 +140,10 @@ class Running:
         self._parameters = self._session.parameters()
         self._folder = tempfile.TemporaryDirectory(prefix='img_recog_')
         self.topics = Topics()
-        self._arrived = threading.Condition()
+        # Released when the time has come. Ctrl-C can leave a Condition locked for ever, as it is
+        # written in Python: the test would never end. A Lock is not.
+        self._arrived = threading.Lock()
+        self._arrived.acquire()
         self._now_s, self._period_s = 0.0, 0.0
         # first: it is settled only where it has seen the beginning of a connection
         self.topics.subscribe(_CLOCK, Clock, self._take_time)
@@ -150,9 +154,21 @@ class Running:
             self._folder.cleanup()
             raise
         _active.append(self)
-        # a call that has no answer ends with the simulator
-        self._caller = concurrent.futures.ThreadPoolExecutor(1)
         self._step = rospy.ServiceProxy(_STEP, Trigger, persistent=True)
+        # numbers of calls, and their responses or errors; SimpleQueue is not written in Python
+        self._calls: 'queue.SimpleQueue[int]' = queue.SimpleQueue()
+        self._responses: 'queue.SimpleQueue[Tuple[int, Any]]' = queue.SimpleQueue()
+        self._call_count = 0
+        # a call without a response ends with the simulator
+        self._caller = threading.Thread(target=self._call, daemon=True)
+        self._caller.start()
+
+    def _call(self) -> None:
+        for number in iter(self._calls.get, _NO_CALL):
+            try:
+                self._responses.put((number, self._step()))
+            except Exception as error:
+                self._responses.put((number, error))
 
     def wait_ready(self) -> None:
         """Wait until all nodes are there and connected. Raises AssertionError if that fails."""
@@ -166,8 +182,8 @@ class Running:
 
     def _take_time(self, msg: Clock) -> None:
         self._now_s = msg.clock.to_sec()
-        with self._arrived:
-            self._arrived.notify_all()
+        with contextlib.suppress(RuntimeError):     # it is released already
+            self._arrived.release()
 
     @property
     def time_s(self) -> float:
@@ -216,8 +232,7 @@ class Running:
             elif time.monotonic() > began_s + self._wall_timeout_s:
                 raise AssertionError('after {:g} s on the clock it still waits for: {}\n{}'.format(
                     self._wall_timeout_s, found, self.launch.tail()))
-            with self._arrived:
-                self._arrived.wait(_POLL_PERIOD_S)
+            self._arrived.acquire(timeout=_POLL_PERIOD_S)
 
     def step(self, seconds: float) -> None:
         """Let simulated time pass, and wait until what was sent in it has come."""
@@ -234,24 +249,30 @@ class Running:
         if seconds != self._period_s:
             rospy.set_param(_STEP_PERIOD, seconds)
             self._period_s = seconds
-        call = self._caller.submit(self._step)
+        self._call_count += 1
+        self._calls.put(self._call_count)
         began_s, now_s = time.monotonic(), self._now_s
-        while not concurrent.futures.wait([call], _POLL_PERIOD_S).done:
-            self.launch.check()
+        number, response = 0, None      # type: int, Any
+        while number != self._call_count:       # others are of calls that were given up
+            try:
+                number, response = self._responses.get(timeout=_POLL_PERIOD_S)
+                continue
+            except queue.Empty:
+                self.launch.check()
             if now_s != self._now_s:
                 began_s, now_s = time.monotonic(), self._now_s
             elif time.monotonic() > began_s + self._wall_timeout_s:
                 raise AssertionError('simulated time has not passed for {:g} s on the clock: {}\n'
                                      '{}'.format(self._wall_timeout_s, self._standing(),
                                                  self.launch.tail()))
-        error = call.exception()
-        if isinstance(error, (rospy.ServiceException, rospy.ROSException, OSError)):
+        if isinstance(response, (rospy.ServiceException, rospy.ROSException, OSError)):
             self.launch.check(is_end_near=True)
             raise AssertionError('the simulator does not answer: {}\n{}'.format(
-                one_line(error), self.launch.tail()))
-        answer = call.result()
-        if not answer.success:
-            raise UserError('step: {}'.format(answer.message))
+                one_line(response), self.launch.tail()))
+        if isinstance(response, Exception):
+            raise response
+        if not response.success:
+            raise UserError('step: {}'.format(response.message))
 
     def _standing(self) -> str:
         line = self.launch.find(_WAITS)
@@ -260,16 +281,14 @@ class Running:
     def _settle(self) -> None:
         end_s = time.monotonic() + _SETTLING_S
         while not self.topics.is_settled() and time.monotonic() < end_s:
-            with self._arrived:
-                self._arrived.wait(_SETTLING_PERIOD_S)
+            self._arrived.acquire(timeout=_SETTLING_PERIOD_S)
 
     def wait_while_standing(self, condition: Callable[[], Any], timeout_s: float) -> None:
         """Wait for a condition in wall time. Raises AssertionError if a node dies."""
         end_s = time.monotonic() + timeout_s
         while not condition() and time.monotonic() < end_s:
             self.launch.check()
-            with self._arrived:
-                self._arrived.wait(_POLL_PERIOD_S)
+            self._arrived.acquire(timeout=_POLL_PERIOD_S)
 
     def end(self) -> None:
         """End all nodes; the master forgets them and their parameters."""
@@ -277,7 +296,8 @@ class Running:
             self.launch.end()
             self.topics.close()
             self._step.close()
-            self._caller.shutdown()
+            self._calls.put(_NO_CALL)
+            self._caller.join(_TIMEOUT_S)
             self._session.forget(self.nodes())
             self._session.restore(self._parameters)
         finally:
