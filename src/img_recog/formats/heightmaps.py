@@ -15,6 +15,7 @@ from img_recog.errors import SimulationError, one_line
 from img_recog.files import FindFile, no_file, plain
 from img_recog.formats import generated_meshes
 from img_recog.formats.reader import text_of, value
+from img_recog.formats.still_images import pillow
 from img_recog.model import HEIGHTMAP, Material, Shape
 from img_recog.rotations import IDENTITY, Transform
 
@@ -244,8 +245,7 @@ def _pixels(path: str) -> Tuple[np.ndarray, float]:
     Of colors, blue counts, and the value is that of the brightest color; Gazebo takes a 1 in it
     for white. Of 16 bits, which Gazebo reads wrongly, white has the whole height.
     """
-    from PIL import Image       # takes time, and few worlds have one
-    with open(path, 'rb', opener=plain) as file, Image.open(file) as image:
+    with open(path, 'rb', opener=plain) as file, pillow().open(file) as image:
         if image.width * image.height > _MAX_PIXELS or min(image.size) < 2:
             raise ValueError('{}x{} pixels, expected 2 to {} in all, on a side 2 or more'
                              .format(image.width, image.height, _MAX_PIXELS))

@@ -9,6 +9,7 @@ import numpy as np
 from img_recog.errors import UserError, one_line
 from img_recog.files import FindFile, plain
 from img_recog.formats.reader import text_of, value
+from img_recog.formats.still_images import pillow
 from img_recog.model import WHITE, Color, Material, Rgb
 from img_recog.report import NOT_FOUND, Report
 
@@ -112,10 +113,8 @@ def read_texture(path: str, mode: str = 'RGB') -> np.ndarray:
 
     An image with a side of more than 4096 pixels is reduced. Raises TextureError naming the file.
     """
-    from PIL import Image       # takes time, and most robots and worlds have no texture
-    Image.MAX_IMAGE_PIXELS = None       # Pillow's own limit is a warning, or names no number
     try:
-        with open(path, 'rb', opener=plain) as file, Image.open(file) as image:
+        with open(path, 'rb', opener=plain) as file, pillow().open(file) as image:
             if image.width * image.height > _MAX_PIXELS:
                 raise ValueError('{}x{} pixels are more than {}'.format(
                     image.width, image.height, _MAX_PIXELS))

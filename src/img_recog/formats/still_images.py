@@ -116,7 +116,7 @@ def _max_pixels(text: str) -> int:
 
 
 @functools.lru_cache(maxsize=None)
-def _pillow() -> Any:
+def pillow() -> Any:
     """Return the module PIL.Image, set up to give neither limits nor warnings of its own."""
     from PIL import Image  # takes 40 ms, which a video does not need
     Image.MAX_IMAGE_PIXELS = None       # it would warn, or fail, before the size is known
@@ -128,7 +128,7 @@ def _pillow() -> Any:
 def _opened(file: Union[str, IO[bytes]]) -> Iterator[Any]:
     """Open an image, of which only the header is read; give None if Pillow does not know it."""
     try:
-        image = _pillow().open(file)
+        image = pillow().open(file)
     # its many readers raise nearly everything for damaged headers; MemoryError: WebP's canvas
     except Exception:
         yield None

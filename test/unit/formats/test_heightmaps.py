@@ -6,7 +6,7 @@ import pybullet
 import pytest
 from PIL import Image
 
-from img_recog.formats import heightmaps, world_file
+from img_recog.formats import heightmaps, still_images, world_file
 from img_recog.formats.meshes import mesh_file
 from img_recog.model import BOX, HEIGHTMAP, Material, Shape
 from img_recog.simulation.physics.client import connect
@@ -197,6 +197,15 @@ def test_images_of_a_wrong_size_are_refused(tmp_path, size, words):
     assert 'heightmap {}: {}'.format(path, words) in refusal(
         heightmaps.shape, 'a', element_of('<uri>a</uri>'), lambda uri: path)
     assert refusal(heightmaps.read, Shape(HEIGHTMAP, (1, 1, 1, 1))).startswith('heightmap : ')
+
+
+def test_an_image_above_the_limit_of_pillow_has_the_same_message(tmp_path, monkeypatch):
+    path = str(tmp_path / 'a.png')
+    Image.new('1', (20000, 10000)).save(path)
+    monkeypatch.setattr(Image, 'MAX_IMAGE_PIXELS', 89478485)        # that of a new process
+    still_images.pillow.cache_clear()
+    assert 'heightmap {}: 20000x10000 pixels, expected 2 to'.format(path) in refusal(
+        heightmaps.shape, 'a', element_of('<uri>a</uri>'), lambda uri: path)
 
 
 @pytest.mark.parametrize('mode', ['I', 'I;16B', 'I;16', 'L', 'F'])
