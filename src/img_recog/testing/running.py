@@ -118,6 +118,69 @@ def _answers(uri: str) -> bool:
     return True
 
 
+class Wakeup:
+    """What the main thread waits for; Ctrl-C ends the wait, and nothing stays locked.
+
+    It is a Lock. A Condition is written in Python: Ctrl-C can leave it locked for ever. A
+    SimpleQueue can wait too long after a signal, see LatestValue.
+    """
+
+    def __init__(self) -> None:
+        self._lock = threading.Lock()       # released by `notify`
+        self._lock.acquire()
+
+    def notify(self) -> None:
+        """End the wait, or the next one; for any other thread."""
+        with contextlib.suppress(RuntimeError):         # it is released already
+            self._lock.release()
+
+    def wait(self, timeout_s: float) -> None:
+        """Wait for a `notify`, at most for a time in s."""
+        self._lock.acquire(timeout=timeout_s)
+
+
+class InterruptibleCalls:
+    """Calls a function in a thread; Ctrl-C in the main thread, which waits for it, ends the wait.
+    """
+
+    def __init__(self, function: Callable[[], Any]):
+        """Start the thread. It ends with `end`, or with the process."""
+        self._function = function
+        self._numbers: 'queue.SimpleQueue[int]' = queue.SimpleQueue()      # of calls
+        self._number = 0
+        self._response: Tuple[int, Any] = 0, None       # or an error, with the number of its call
+        self._responded = Wakeup()
+        self._thread = threading.Thread(target=self._run, daemon=True)
+        self._thread.start()
+
+    def _run(self) -> None:
+        for number in iter(self._numbers.get, _NO_CALL):
+            try:
+                self._response = number, self._function()
+            except Exception as error:
+                self._response = number, error
+            self._responded.notify()
+
+    def call(self, watch: Callable[[], None]) -> Any:
+        """Return what the function returns, or the error that it raises.
+
+        Args:
+            watch: Function that is called while there is no response. It can raise an error.
+        """
+        self._number += 1
+        self._numbers.put(self._number)
+        self._responded.wait(_POLL_PERIOD_S)
+        while self._response[0] != self._number:        # others are of calls that were given up
+            watch()
+            self._responded.wait(_POLL_PERIOD_S)
+        return self._response[1]
+
+    def end(self) -> None:
+        """End the thread."""
+        self._numbers.put(_NO_CALL)
+        self._thread.join(_TIMEOUT_S)
+
+
 class Running:
     """Starts all, lets time pass, and ends all. topics: what the test has subscribed to."""
 
@@ -140,10 +203,10 @@ class Running:
         self._parameters = self._session.parameters()
         self._folder = tempfile.TemporaryDirectory(prefix='img_recog_')
         self.topics = Topics()
-        # Released when the time has come. Ctrl-C can leave a Condition locked for ever, as it is
-        # written in Python: the test would never end. A Lock is not.
-        self._arrived = threading.Lock()
-        self._arrived.acquire()
+        # a call without a response ends with the simulator
+        self._step = rospy.ServiceProxy(_STEP, Trigger, persistent=True)
+        self._calls = InterruptibleCalls(self._step)
+        self._arrived = Wakeup()        # by messages
         self._now_s, self._period_s = 0.0, 0.0
         # first: it is settled only where it has seen the beginning of a connection
         self.topics.subscribe(_CLOCK, Clock, self._take_time)
@@ -151,24 +214,10 @@ class Running:
             self.launch = Launch(files, os.path.join(self._folder.name, 'simulation.launch'))
         except BaseException:
             self.topics.close()
+            self._calls.end()
             self._folder.cleanup()
             raise
         _active.append(self)
-        self._step = rospy.ServiceProxy(_STEP, Trigger, persistent=True)
-        # numbers of calls, and their responses or errors; SimpleQueue is not written in Python
-        self._calls: 'queue.SimpleQueue[int]' = queue.SimpleQueue()
-        self._responses: 'queue.SimpleQueue[Tuple[int, Any]]' = queue.SimpleQueue()
-        self._call_count = 0
-        # a call without a response ends with the simulator
-        self._caller = threading.Thread(target=self._call, daemon=True)
-        self._caller.start()
-
-    def _call(self) -> None:
-        for number in iter(self._calls.get, _NO_CALL):
-            try:
-                self._responses.put((number, self._step()))
-            except Exception as error:
-                self._responses.put((number, error))
 
     def wait_ready(self) -> None:
         """Wait until all nodes are there and connected. Raises AssertionError if that fails."""
@@ -182,8 +231,7 @@ class Running:
 
     def _take_time(self, msg: Clock) -> None:
         self._now_s = msg.clock.to_sec()
-        with contextlib.suppress(RuntimeError):     # it is released already
-            self._arrived.release()
+        self._arrived.notify()
 
     @property
     def time_s(self) -> float:
@@ -232,7 +280,7 @@ class Running:
             elif time.monotonic() > began_s + self._wall_timeout_s:
                 raise AssertionError('after {:g} s on the clock it still waits for: {}\n{}'.format(
                     self._wall_timeout_s, found, self.launch.tail()))
-            self._arrived.acquire(timeout=_POLL_PERIOD_S)
+            self._arrived.wait(_POLL_PERIOD_S)
 
     def step(self, seconds: float) -> None:
         """Let simulated time pass, and wait until what was sent in it has come."""
@@ -249,22 +297,18 @@ class Running:
         if seconds != self._period_s:
             rospy.set_param(_STEP_PERIOD, seconds)
             self._period_s = seconds
-        self._call_count += 1
-        self._calls.put(self._call_count)
         began_s, now_s = time.monotonic(), self._now_s
-        number, response = 0, None      # type: int, Any
-        while number != self._call_count:       # others are of calls that were given up
-            try:
-                number, response = self._responses.get(timeout=_POLL_PERIOD_S)
-                continue
-            except queue.Empty:
-                self.launch.check()
+
+        def watch() -> None:
+            nonlocal began_s, now_s
+            self.launch.check()
             if now_s != self._now_s:
                 began_s, now_s = time.monotonic(), self._now_s
             elif time.monotonic() > began_s + self._wall_timeout_s:
                 raise AssertionError('simulated time has not passed for {:g} s on the clock: {}\n'
                                      '{}'.format(self._wall_timeout_s, self._standing(),
                                                  self.launch.tail()))
+        response = self._calls.call(watch)
         if isinstance(response, (rospy.ServiceException, rospy.ROSException, OSError)):
             self.launch.check(is_end_near=True)
             raise AssertionError('the simulator does not answer: {}\n{}'.format(
@@ -281,14 +325,14 @@ class Running:
     def _settle(self) -> None:
         end_s = time.monotonic() + _SETTLING_S
         while not self.topics.is_settled() and time.monotonic() < end_s:
-            self._arrived.acquire(timeout=_SETTLING_PERIOD_S)
+            self._arrived.wait(_SETTLING_PERIOD_S)
 
     def wait_while_standing(self, condition: Callable[[], Any], timeout_s: float) -> None:
         """Wait for a condition in wall time. Raises AssertionError if a node dies."""
         end_s = time.monotonic() + timeout_s
         while not condition() and time.monotonic() < end_s:
             self.launch.check()
-            self._arrived.acquire(timeout=_POLL_PERIOD_S)
+            self._arrived.wait(_POLL_PERIOD_S)
 
     def end(self) -> None:
         """End all nodes; the master forgets them and their parameters."""
@@ -296,8 +340,7 @@ class Running:
             self.launch.end()
             self.topics.close()
             self._step.close()
-            self._calls.put(_NO_CALL)
-            self._caller.join(_TIMEOUT_S)
+            self._calls.end()
             self._session.forget(self.nodes())
             self._session.restore(self._parameters)
         finally:
