@@ -12,26 +12,13 @@ from typing import Any, Callable, Dict, Iterable, Mapping, NamedTuple, Optional,
 
 from img_recog.errors import SimulationError
 from img_recog.formats import reader
-from img_recog.formats.reader import text_of
+from img_recog.formats.reader import Type, text_of
 from img_recog.settings import computable, nearest_period
 
 Values = Dict[str, Any]
 # of a skid-steered robot, the joints of its two sides
 CORNERS = {'left_joint': ('leftFrontJoint', 'leftRearJoint'),
            'right_joint': ('rightFrontJoint', 'rightRearJoint')}
-
-
-class Reader(NamedTuple):
-    """How a text is read.
-
-    read: raises ValueError or KeyError; returns None for a value that leaves the setting alone.
-    of_element: whether it gets the element and what it is called instead; it raises
-    SimulationError then.
-    """
-
-    expected: str
-    read: Callable[..., Any]
-    of_element: bool = False
 
 
 class Row(NamedTuple):
@@ -42,7 +29,7 @@ class Row(NamedTuple):
     """
 
     setting: str
-    reader: Reader
+    reader: Type
     owner: str
     path: str
     other_path: Optional[str] = None
@@ -145,17 +132,17 @@ def _in_namespace(topic: str, plugin: ElementTree.Element) -> str:
         (namespace, topic))
 
 
-def _value(owner: ElementTree.Element, path: str, reader: Reader) -> Any:
-    if reader.of_element:
-        return reader.read(owner.find(path), '{} of {}'.format(path, label(owner, 'name')))
+def _value(owner: ElementTree.Element, path: str, kind: Type) -> Any:
+    if kind.of_element:
+        return kind.read(owner.find(path), '{} of {}'.format(path, label(owner, 'name')))
     text = text_of(owner, path)
-    if reader is NAMES:
+    if kind is NAMES:
         text = ', '.join(filter(None, ((each.text or '').strip() for each in owner.findall(path))))
     try:
-        return reader.read(text)
+        return kind.read(text)
     except (ValueError, KeyError):
         raise SimulationError('<{}> of {}: got {!r}, expected {}'.format(
-            path, label(owner, 'name'), text, reader.expected))
+            path, label(owner, 'name'), text, kind.allowed))
 
 
 def _topic(text: str) -> str:
@@ -172,22 +159,22 @@ def _deviation(text: str) -> Optional[float]:
     return math.sqrt(sum(value ** 2 for value in values) / len(values)) or None
 
 
-def choice(expected: str, values: Dict[str, Any]) -> Reader:
-    """Return a reader of a word, in any case."""
-    return Reader(expected, lambda text: values[text.lower()])
+def choice(expected: str, values: Dict[str, Any]) -> Type:
+    """Return the type of a word, in any case."""
+    return Type(expected, lambda text: values[text.lower()])
 
 
-NAME = Reader('a name', lambda text: _topic(text).lstrip('/'))
+NAME = Type('a name', lambda text: _topic(text).lstrip('/'))
 # of all elements at the path
-NAMES = Reader('names', lambda text: ', '.join(_topic(name).strip('/ ')
-                                               for name in text.split(',')))
+NAMES = Type('names', lambda text: ', '.join(_topic(name).strip('/ ')
+                                             for name in text.split(',')))
 # in the <robotNamespace> of the plugin, unless it has a leading slash
-TOPIC = Reader('a name', _topic)
-NUMBER, INTEGER, FLAG = (Reader(*each) for each in (reader.NUMBER, reader.WHOLE, reader.FLAG))
-POSITIVE = Reader('a finite number', lambda text: max(reader.number(text), 0.0) or None)
+TOPIC = Type('a name', _topic)
+NUMBER, INTEGER, FLAG = reader.NUMBER, reader.WHOLE, reader.FLAG
+POSITIVE = Type('a finite number', lambda text: max(reader.number(text), 0.0) or None)
 # for one or each axis
-DEVIATION = Reader('finite numbers', _deviation)
+DEVIATION = Type('finite numbers', _deviation)
 # in Hz, for the setting of a period; 0 means each step of the physics, as in Gazebo
-RATE = Reader('a finite number',
-              lambda text: max(computable(reader.number(text)), 0.0) or math.inf)
+RATE = Type('a finite number',
+            lambda text: max(computable(reader.number(text)), 0.0) or math.inf)
 EACH_STEP = 0.0             # the default of a period

@@ -9,13 +9,13 @@ import numpy as np
 
 from img_recog.errors import SimulationError
 from img_recog.formats.schema import Child, children_of, row_of
+from img_recog.model import ALL_BITS
 from img_recog.settings import computable
 
 TRUE, FALSE = ('true', '1'), ('false', '0')     # in any case
 _MAX_LENGTH = 1e6
 MAX_COUNT = 5000
 _MAX_FRICTION = 100.0       # the forces of larger coefficients are not computable
-_ALL_BITS = 0xffff
 _INFINITE = re.compile('[-+]?inf(inity)?', re.IGNORECASE)
 _WHOLE = re.compile(r'\s*([-+]?)(0[xX][0-9a-fA-F]+|[0-9]{1,9}(?![0-9]))')
 _VECTOR = re.compile('([0-9])(numbers|lengths|sizes)')
@@ -26,12 +26,15 @@ class Type(NamedTuple):
 
     Attributes:
         allowed: Which texts can be read, for messages.
-        read: Function that returns the value of a text. It raises ValueError if the text is not
-            allowed.
+        read: Function that returns the value of a text. It raises ValueError or KeyError if the
+            text is not allowed.
+        of_element: Whether `read` gets the element and its name for messages instead of a text;
+            it raises SimulationError then.
     """
 
     allowed: str
-    read: Callable[[str], Any]
+    read: Callable[..., Any]
+    of_element: bool = False
 
 
 def name_of(element: ElementTree.Element) -> str:
@@ -176,7 +179,8 @@ def _limit(text: str) -> float:
 
 
 def _count(text: str) -> int:
-    return _checked(whole(text), 0 <= whole(text) <= MAX_COUNT)
+    found = whole(text)
+    return _checked(found, 0 <= found <= MAX_COUNT)
 
 
 def _lengths(found: np.ndarray) -> np.ndarray:
@@ -198,7 +202,8 @@ def _axis(text: str) -> np.ndarray:
 
 
 def _coefficient(text: str) -> float:
-    return _checked(computable(number(text)), number(text) >= 0)
+    found = number(text)
+    return _checked(computable(found), found >= 0)
 
 
 def _friction(text: str) -> float:
@@ -235,7 +240,7 @@ TYPES: Dict[str, Type] = {
     'limit': Type('a number', _limit),
     'whole': WHOLE,
     'count': Type('a whole number from 0 to {}'.format(MAX_COUNT), _count),
-    'bits': Type('a whole number', lambda text: int(text, 0) & _ALL_BITS),
+    'bits': Type('a whole number', lambda text: int(text, 0) & ALL_BITS),
     'length': Type('a finite number ' + _AT_MOST,
                    lambda text: float(_lengths(_numbers(text, 1))[0])),
     'size': Type('a positive number ' + _AT_MOST,

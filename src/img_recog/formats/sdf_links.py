@@ -75,13 +75,13 @@ def friction_of(collision: ElementTree.Element, link: str) -> Optional[Friction]
     return None if ode is None else friction_of_texts(ode.findtext, link, 'mu')
 
 
-def friction_of_texts(text_of: TextOf, link: str, mu: str) -> Optional[Friction]:
+def friction_of_texts(text_at: TextOf, link: str, mu: str) -> Optional[Friction]:
     """Return the friction of elements, None if none of them is given.
 
-    text_of: returns the text of an element, None without; mu: the element of the first
+    text_at: returns the text of an element, None without; mu: the element of the first
     coefficient. The other one, too, is 1 if it is not given.
     """
-    first, second, along = text_of(mu), text_of('mu2'), text_of('fdir1')
+    first, second, along = text_at(mu), text_at('mu2'), text_at('fdir1')
     if first is second is along is None:
         return None
     direction = read('3lengths', along or '0 0 0', '<fdir1> of link ' + link)
@@ -94,14 +94,14 @@ def friction_of_texts(text_of: TextOf, link: str, mu: str) -> Optional[Friction]
     return Friction(one, other, tuple(direction.tolist()) if np.any(direction) else ())
 
 
-def contact_of(collision: ElementTree.Element, link: str, text_of: TextOf) -> Contact:
+def contact_of(collision: ElementTree.Element, link: str, text_at: TextOf) -> Contact:
     """Return how a <collision> of a link pushes out what touches it.
 
-    text_of: of the tags of that link, which count more.
+    text_at: of the tags of that link, which count more.
     """
     found: Dict[str, float] = {}
     for field, (path, tag) in _CONTACTS.items():
-        text = (text_of(tag) if tag else None) or collision.findtext('surface/' + path)
+        text = (text_at(tag) if tag else None) or collision.findtext('surface/' + path)
         if text is not None:
             found[field] = read('positive', text,
                                 '<{}> of link {}'.format(path.rpartition('/')[2], link))

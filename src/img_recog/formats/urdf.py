@@ -16,7 +16,6 @@ from img_recog.formats.markup import MarkupError, check_expanded, parse_xml
 from img_recog.formats.meshes.mesh_file import READABLE
 from img_recog.formats.reader import is_true, name_of, read as read_text, text_of
 from img_recog.formats.sdf_frames import pose_of
-from img_recog.formats.sdf_links import bitmask
 from img_recog.model import (ALL_BITS, BOX, CAPSULE, CYLINDER, FIXED, MESH, NO_INERTIA, PRISMATIC,
                              REVOLUTE, SPHERE, Friction, Inertia, Joint, Limits, Link, Look,
                              Material, Model, Shape, Solid, Tag)
@@ -135,7 +134,7 @@ class Links:
             friction = sdf_links.friction_of(element, link)
             if friction is not None and element.find('surface/friction/ode/mu2') is None:
                 friction = Friction(friction.mu)
-        bitmasks = [bitmask(collision) for tag in self._tags_of(link)
+        bitmasks = [sdf_links.bitmask(collision) for tag in self._tags_of(link)
                     for collision in tag.findall('collision')]
         contact = sdf_links.contact_of(element, link, self._text_of_tags(link))
         return Solid(shape, friction=friction, bitmask=min([ALL_BITS, *bitmasks]),

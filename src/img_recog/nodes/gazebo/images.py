@@ -114,9 +114,8 @@ class Images:
         self._revision = simulator.world.revision
         self._parts = Parts(simulator)
         self._view = ViewTopic(view, simulator)
-        scene = scene_of(simulator)
         self._window: Optional[Window] = (
-            Window(scene, above(simulator.world)) if view.gui else None)
+            Window(scene_of(simulator), above(simulator.world)) if view.gui else None)
         self._process = ImageProcess(self._parts.scene(), self._parts.poses(), [self._view.camera],
                                      _NICENESS if redelivery is None else 0)
         # by the names of robot and sensor
@@ -182,11 +181,10 @@ class Images:
         if self._revision == self._simulator.world.revision:
             return False
         self._revision = self._simulator.world.revision
-        scene = scene_of(self._simulator)
         self._parts.refresh()
         self._process.set_scene(self._parts.scene(), self._parts.poses())
         if self._window is not None:
-            self._window.set_scene(scene)
+            self._window.set_scene(scene_of(self._simulator))
         return True
 
     def enable_cameras(self) -> None:

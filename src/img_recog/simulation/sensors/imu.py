@@ -6,8 +6,9 @@ import numpy as np
 
 from img_recog.formats import noises
 from img_recog.formats.gazebo_tags import (DEVIATION, EACH_STEP, NAME, POSITIVE, RATE, TOPIC,
-                                           Reader, Row, Tags)
+                                           Row, Tags)
 from img_recog.formats.noises import Noise
+from img_recog.formats.reader import Type
 from img_recog.rotations import Quaternion, into_frame
 from img_recog.settings import Settings, above, any_value, at_least, not_empty, setting
 from img_recog.simulation.physics.body import Vector, velocity_at
@@ -23,7 +24,7 @@ TAGS = Tags(('gazebo_ros_imu',), (
     Row('gyro_noise', POSITIVE, 'plugin', 'gaussianNoise'),
     Row('accel_noise', POSITIVE, 'plugin', 'gaussianNoise'),
     Row('imu_period_s', RATE, 'sensor', 'update_rate'),
-    Row('imu_noises', Reader('', noises.of_imu, of_element=True), 'sensor', 'imu'),
+    Row('imu_noises', Type('', noises.of_imu, of_element=True), 'sensor', 'imu'),
     Row('imu_frame', NAME, 'plugin', 'frameName', 'bodyName'),
     Row('imu_frame', NAME, 'plugin', 'frameId'),
     Row('gyro_noise', DEVIATION, 'plugin', 'rateGaussianNoise'),

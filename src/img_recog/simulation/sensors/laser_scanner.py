@@ -6,9 +6,9 @@ from typing import Iterator, Optional, Tuple
 import numpy as np
 
 from img_recog.formats import noises
-from img_recog.formats.gazebo_tags import EACH_STEP, NAME, NUMBER, TOPIC, Reader, Row, Tags
+from img_recog.formats.gazebo_tags import EACH_STEP, NAME, NUMBER, TOPIC, Row, Tags
 from img_recog.formats.noises import Noise
-from img_recog.formats.reader import name_of, text_of
+from img_recog.formats.reader import Type, name_of, text_of
 from img_recog.settings import Settings, above, any_value, at_least, between, not_empty, setting
 from img_recog.simulation.sensors import ray_sensor
 from img_recog.simulation.sensors.ray_sensor import FanSensor
@@ -30,9 +30,9 @@ def _rest(element: ElementTree.Element, name: str) -> Optional[Tuple[Noise]]:
 TAGS = Tags(('gazebo_ros_laser', 'gazebo_ros_gpu_laser'), (
     *ray_sensor.fan_rows('scan', 'scan_range'),
     Row('scan_resolution', NUMBER, 'sensor', 'ray/scan/horizontal/resolution'),
-    Row('scan_noise', Reader('', lambda *given: noises.read(*given).deviation, of_element=True),
+    Row('scan_noise', Type('', lambda *given: noises.read(*given).deviation, of_element=True),
         'sensor', 'ray/noise'),
-    Row('scan_noises', Reader('', _rest, of_element=True), 'sensor', 'ray/noise'),
+    Row('scan_noises', Type('', _rest, of_element=True), 'sensor', 'ray/noise'),
     Row('scan_frame', NAME, 'plugin', 'frameName'),
     Row('scan_topic', TOPIC, 'plugin', 'topicName')),
     sensors=('ray', 'gpu_ray'), frame='scan_frame', needs_sensor=True,

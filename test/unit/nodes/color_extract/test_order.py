@@ -19,7 +19,7 @@ BLUE, RED = (255, 0, 0), (80, 0, 255)
 @pytest.fixture
 def published(monkeypatch):
     """What a node publishes, in this order, and a function that gives it a frame."""
-    order = []
+    order, frames = [], []
     monkeypatch.setattr(color_extract_node.rospy, 'get_time', lambda: 2.0)
     settings = with_colors()()
     node = ColorExtract.__new__(ColorExtract)
@@ -27,7 +27,7 @@ def published(monkeypatch):
     node.__dict__.update(
         _settings=settings, _extractor=ColorExtractor(settings),
         _commander=Commander(settings, 0.0), _counts=RecognitionDiagnostics('/image'),
-        _input=SimpleNamespace(decode=lambda image: (image, 'bgr8')),
+        _input=SimpleNamespace(decode=lambda msg: (frames.pop(), 'bgr8')),
         _shown=SimpleNamespace(shows=lambda commands: True),
         _line=SimpleNamespace(take_time=lambda: order.append('time of the line'),
                               write=lambda text, on_terminal: order.append(text)),
@@ -41,7 +41,7 @@ def published(monkeypatch):
         for number, color in enumerate(colors):
             image[:, 40 * number:40 * number + 40] = color
         msg = Image(header=Header(stamp=rospy.Time(1)))
-        node._input.decode = lambda _: (image, 'bgr8')
+        frames.append(image)
         del order[:]
         node.handle(msg)
         return order
