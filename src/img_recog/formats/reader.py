@@ -82,16 +82,25 @@ def value(element: ElementTree.Element, path: str, owner: str = '') -> Any:
     return read(child.type, text, _label(element, path, owner))
 
 
+def kind_of(tag: str, path: str) -> str:
+    """Return the name of the type that the schema gives a value at a path in an element.
+
+    >>> kind_of('collision', 'surface/contact/ode/kp')
+    'positive'
+    """
+    return _child(tag, path).type
+
+
 def required(element: ElementTree.Element, path: str, owner: str = '') -> Any:
     """Return a value as `value` does; SimulationError if there is none."""
     found = value(element, path, owner)
-    return read(_child(element.tag, path).type, None, _label(
+    return read(kind_of(element.tag, path), None, _label(
         element, path, owner)) if found is None else found
 
 
 def values(element: ElementTree.Element, path: str, owner: str = '') -> List[Any]:
     """Return the values of all elements at a path; arguments and errors as for `value`."""
-    kind, name = _child(element.tag, path).type, _label(element, path, owner)
+    kind, name = kind_of(element.tag, path), _label(element, path, owner)
     return [read(kind, each.text, name) for each in element.findall(path)]
 
 

@@ -10,7 +10,8 @@ from img_recog.errors import SimulationError
 from img_recog.files import FindFile, no_file
 from img_recog.formats import generated_meshes, heightmaps, lumping, materials
 from img_recog.formats.meshes.mesh_file import READABLE
-from img_recog.formats.reader import name_of, read, required, text_of, value, values
+from img_recog.formats.reader import (kind_of, name_of, read, required, text_of, value,
+                                      values)
 from img_recog.formats.sdf_frames import pose_of
 from img_recog.model import (BOX, CYLINDER, DIRECTIONAL, EXP, EXP2, FLOOR_FRICTION, HEIGHTMAP,
                              LINEAR, MESH, PLANE, POINT, SPHERE, SPOT, WHITE, Contact, Fog,
@@ -20,11 +21,13 @@ from img_recog.rotations import IDENTITY, Transform
 
 _KINDS = DIRECTIONAL, POINT, SPOT
 _CONE = 'inner_angle', 'outer_angle', 'falloff'
-# the fields of a Contact, below <surface> and in a tag of a URDF
-_CONTACTS = {'stiffness': ('contact/ode/kp', 'kp'), 'damping': ('contact/ode/kd', 'kd'),
-             'fastest': ('contact/ode/max_vel', 'maxVel'),
-             'slack': ('contact/ode/min_depth', 'minDepth'),
-             'bounce': ('bounce/restitution_coefficient', '')}
+# the fields of a Contact, in a <collision> and in a tag of a URDF
+_CONTACTS = {'stiffness': ('surface/contact/ode/kp', 'kp'),
+             'damping': ('surface/contact/ode/kd', 'kd'),
+             'fastest': ('surface/contact/ode/max_vel', 'maxVel'),
+             'slack': ('surface/contact/ode/min_depth', 'minDepth'),
+             'bounce': ('surface/bounce/restitution_coefficient', '')}
+_FRICTION = 'surface/friction/ode'
 _HARD_N_M = 1e10       # no body is so heavy that a softer contact would differ
 _SHORT = 1e-3       # of a direction
 # what little reaches: without a <threshold>, it is 100 km/s
@@ -71,7 +74,7 @@ def _fog(scene: ElementTree.Element) -> Optional[Fog]:
 def friction_of(collision: ElementTree.Element, link: str) -> Optional[Friction]:
     """Return the friction of a <collision> of a link, in the frame of the collision; None without.
     """
-    ode = collision.find('surface/friction/ode')
+    ode = collision.find(_FRICTION)
     return None if ode is None else friction_of_texts(ode.findtext, link, 'mu')
 
 
@@ -84,11 +87,12 @@ def friction_of_texts(text_at: TextOf, link: str, mu: str) -> Optional[Friction]
     first, second, along = text_at(mu), text_at('mu2'), text_at('fdir1')
     if first is second is along is None:
         return None
-    direction = read('3lengths', along or '0 0 0', '<fdir1> of link ' + link)
+    direction = read(kind_of('collision', _FRICTION + '/fdir1'), along or '0 0 0',
+                     '<fdir1> of link ' + link)
     if 0 < np.abs(direction).max() < _SHORT:    # it would be lost when it is rounded
         direction /= np.abs(direction).max()
     one, other = (
-        FLOOR_FRICTION if text is None else read('friction', text,
+        FLOOR_FRICTION if text is None else read(kind_of('collision', _FRICTION + '/mu'), text,
                                                  '<{}> of link {}'.format(tag, link))
         for tag, text in ((mu, first), ('mu2', second)))
     return Friction(one, other, tuple(direction.tolist()) if np.any(direction) else ())
@@ -101,13 +105,13 @@ def contact_of(collision: ElementTree.Element, link: str, text_at: TextOf) -> Co
     """
     found: Dict[str, float] = {}
     for field, (path, tag) in _CONTACTS.items():
-        text = (text_at(tag) if tag else None) or collision.findtext('surface/' + path)
+        text = (text_at(tag) if tag else None) or collision.findtext(path)
         if text is not None:
-            found[field] = read('positive', text,
+            found[field] = read(kind_of('collision', path), text,
                                 '<{}> of link {}'.format(path.rpartition('/')[2], link))
     contact = Contact(**found)
-    threshold = collision.findtext('surface/bounce/threshold')
-    if threshold is None or read('number', threshold, '<threshold> of link ' + link) > _FAST_M_S:
+    threshold = value(collision, 'surface/bounce/threshold', 'link ' + link)
+    if threshold is None or threshold > _FAST_M_S:
         contact = contact._replace(bounce=0.0)
     # all that is hard is one surface
     return contact if (contact.stiffness < _HARD_N_M or contact.slack or contact.throws
